@@ -49,7 +49,8 @@ void TriangleMesh::append(const TriangleMesh& other, const Pose& T_this_other) {
 void add_box(TriangleMesh& mesh, const Pose& T_mesh_box, const Vector3d& half_extent_m,
              MaterialId material) {
   const auto at = [&](int x, int y, int z) {
-    return T_mesh_box * Vector3d(x * half_extent_m.x(), y * half_extent_m.y(), z * half_extent_m.z());
+    return T_mesh_box *
+           Vector3d(x * half_extent_m.x(), y * half_extent_m.y(), z * half_extent_m.z());
   };
   mesh.add_quad(at(1, -1, -1), at(1, 1, -1), at(1, 1, 1), at(1, -1, 1), material);
   mesh.add_quad(at(-1, 1, -1), at(-1, -1, -1), at(-1, -1, 1), at(-1, 1, 1), material);
@@ -88,14 +89,14 @@ void add_frustum(TriangleMesh& mesh, const Pose& T_mesh_base, double radius_bott
 void add_sphere(TriangleMesh& mesh, const Vector3d& center, double radius_m, int subdivisions,
                 MaterialId material) {
   const double g = std::numbers::phi;
-  std::vector<Vector3d> directions = {{-1, g, 0}, {1, g, 0},   {-1, -g, 0}, {1, -g, 0},
-                                      {0, -1, g}, {0, 1, g},   {0, -1, -g}, {0, 1, -g},
-                                      {g, 0, -1}, {g, 0, 1},   {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<Vector3d> directions = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
+                                      {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
+                                      {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
   for (Vector3d& d : directions) d.normalize();
   std::vector<std::array<std::uint32_t, 3>> faces = {
-      {0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+      {0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
       {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-      {3, 8, 9},  {4, 9, 5},  {2, 4, 11},  {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+      {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (int level = 0; level < subdivisions; ++level) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> midpoints;
     const auto midpoint = [&](std::uint32_t a, std::uint32_t b) {
@@ -115,7 +116,8 @@ void add_sphere(TriangleMesh& mesh, const Vector3d& center, double radius_m, int
     faces = std::move(finer);
   }
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  for (const Vector3d& d : directions) mesh.vertices.push_back((center + radius_m * d).cast<float>());
+  for (const Vector3d& d : directions)
+    mesh.vertices.push_back((center + radius_m * d).cast<float>());
   for (const auto& f : faces) mesh.triangles.push_back({first + f[0], first + f[1], first + f[2]});
   mesh.materials.insert(mesh.materials.end(), faces.size(), material);
 }

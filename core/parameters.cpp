@@ -58,7 +58,8 @@ std::string bounds_problem(double value, Bounds bounds) {
   } else if (std::isinf(bounds.min)) {
     wanted = "a number of at most " + shortest(bounds.max);
   } else {
-    wanted = (positive ? "a number above 0 and up to " : "a number from " + shortest(bounds.min) + " to ") +
+    wanted = (positive ? "a number above 0 and up to "
+                       : "a number from " + shortest(bounds.min) + " to ") +
              shortest(bounds.max);
   }
   return "is " + shortest(value) + ", needs " + wanted;
@@ -113,9 +114,13 @@ void ParameterCheck::begin_item(std::size_t index) {
   path_ += "[" + std::to_string(index) + "]";
 }
 
-void ParameterCheck::end_item() { end_group(); }
+void ParameterCheck::end_item() {
+  end_group();
+}
 
-void ParameterCheck::end_list() { end_group(); }
+void ParameterCheck::end_list() {
+  end_group();
+}
 
 void ParameterCheck::begin_group(std::string_view key) {
   marks_.push_back(path_.size());

@@ -10,7 +10,9 @@ namespace {
 constexpr double kSmallAngle_rad = 1e-4;  // fourth-order series are exact to 1e-17 below it
 
 // V of se3::exp: translation = V(φ)·ρ. It is the left Jacobian, J_l(φ) = J_r(−φ).
-Matrix3d left_jacobian(const Vector3d& phi) { return so3::right_jacobian(-phi); }
+Matrix3d left_jacobian(const Vector3d& phi) {
+  return so3::right_jacobian(-phi);
+}
 
 }  // namespace
 
@@ -54,8 +56,8 @@ Matrix3d right_jacobian(const Vector3d& rotation_vector) {
   // (1−cos θ)/θ² = 2 sin²(θ/2)/θ² does not cancel near zero.
   const double half_sin = std::sin(0.5 * angle);
   const double a = angle < kSmallAngle_rad ? 0.5 - a2 / 24.0 : 2.0 * half_sin * half_sin / a2;
-  const double b =
-      angle < 1e-2 ? 1.0 / 6.0 - a2 / 120.0 + a2 * a2 / 5040.0 : (angle - std::sin(angle)) / (a2 * angle);
+  const double b = angle < 1e-2 ? 1.0 / 6.0 - a2 / 120.0 + a2 * a2 / 5040.0
+                                : (angle - std::sin(angle)) / (a2 * angle);
   return Matrix3d::Identity() - a * k + b * k * k;
 }
 
@@ -63,9 +65,8 @@ Matrix3d right_jacobian_inverse(const Vector3d& rotation_vector) {
   const double angle = rotation_vector.norm();
   const Matrix3d k = skew(rotation_vector);
   const double a2 = angle * angle;
-  const double c = angle < 1e-2
-                       ? 1.0 / 12.0 + a2 / 720.0 + a2 * a2 / 30240.0
-                       : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / a2;
+  const double c = angle < 1e-2 ? 1.0 / 12.0 + a2 / 720.0 + a2 * a2 / 30240.0
+                                : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / a2;
   return Matrix3d::Identity() + 0.5 * k + c * k * k;
 }
 
@@ -98,7 +99,9 @@ double Pose::yaw() const {
   return std::atan2(x.y(), x.x());
 }
 
-bool Pose::is_finite() const { return rotation.coeffs().allFinite() && translation.allFinite(); }
+bool Pose::is_finite() const {
+  return rotation.coeffs().allFinite() && translation.allFinite();
+}
 
 Eigen::Quaterniond rotation_from_rpy(double roll_rad, double pitch_rad, double yaw_rad) {
   return Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()) *
