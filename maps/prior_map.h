@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geodesy.h"
@@ -34,21 +34,31 @@ class PriorMap {
   /// is not finite or the size is not positive.
   PriorMap(const GeodeticPoint& geodetic_origin, std::span<const Vector3d> points,
            double tile_size_m = 20.0);
+  /// Takes tiles as they are (any order; empty ones are left out). Throws InputError where a tile
+  /// is not about the middle of a cell of the grid, two share a cell, or a point is not finite or
+  /// outside its tile.
+  [[nodiscard]] static PriorMap from_tiles(const GeodeticPoint& geodetic_origin,
+                                           double tile_size_m, std::vector<Tile> tiles);
 
   [[nodiscard]] const GeodeticPoint& geodetic_origin() const;
   [[nodiscard]] double tile_size_m() const;
   [[nodiscard]] std::size_t size() const;
+  /// In the order of their cells, south to north, then west to east.
   [[nodiscard]] std::span<const Tile> tiles() const;
   /// All points within `radius_m` of `center` horizontally, relative to `center` rounded to whole
   /// metres. Empty where the map does not cover the place.
   [[nodiscard]] Crop crop(const Vector3d& center, double radius_m) const;
+  /// The same into `out`, whose memory is used again: half the time of a fresh one.
+  void crop(const Vector3d& center, double radius_m, Crop& out) const;
   /// Tiles that a disc touches: no copy.
   [[nodiscard]] std::vector<const Tile*> tiles_within(const Vector3d& center,
                                                       double radius_m) const;
+  /// Of everything the map holds. Goes through all points.
   [[nodiscard]] std::uint64_t hash() const;
 
  private:
   struct Index;
+  explicit PriorMap(std::shared_ptr<const Index> index) : index_(std::move(index)) {}
   std::shared_ptr<const Index> index_;
 };
 

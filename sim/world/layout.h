@@ -36,12 +36,27 @@ struct GroundSample {
   double carriageway_distance_m = 0.0;
   /// Unit course of the nearest street there (its direction of increasing vertices).
   Vector3d street_direction = Vector3d::UnitX();
+  /// Signed distance from the nearest centreline, positive to its left, and the horizontal length
+  /// along it [m].
+  double lateral_m = 0.0;
+  double station_m = 0.0;
+  /// Height without the kerb and what lies beyond it: the carriageway's own surface, continued [m].
+  double road_height_m = 0.0;
+  /// Share of the full camber there: 0 in junctions, overlaps and tight bends, 1 along a street.
+  double camber_share = 0.0;
 };
 
-/// The ground as one single-valued function of the plan, whatever the streets do.
+/// How far the pavement's edge stands above the carriageway's border [m].
+inline constexpr double kKerbHeightM = 0.12;
+
+/// The ground as one single-valued function of the plan, whatever the streets do: a smooth blend of
+/// the centrelines' heights (continuous to the second derivative), on it a camber of 2.5 % that
+/// fades where streets meet, a kerb, a pavement with 2 % fall to the road, and undulating terrain.
 class GroundSurface {
  public:
-  explicit GroundSurface(const Layout& layout);
+  /// Fast within `reach_m` of the streets; defined, but slower by far, beyond. Throws InputError
+  /// where no street has two vertices.
+  explicit GroundSurface(const Layout& layout, double reach_m = 140.0);
   ~GroundSurface();
   GroundSurface(GroundSurface&&) noexcept;
 

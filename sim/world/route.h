@@ -43,7 +43,9 @@ struct RouteProjection {
 class Route {
  public:
   Route() = default;
-  /// `points` in order with strictly growing s_m, at least two. Throws InputError otherwise.
+  /// `points` in order with strictly growing s_m, at least two; their times are of arrival and
+  /// already hold the stops' dwell. A stop counts at the point nearest to it. Throws InputError
+  /// otherwise.
   Route(std::vector<RoutePoint> points, std::vector<RouteStop> stops);
 
   [[nodiscard]] const std::vector<RoutePoint>& points() const { return points_; }
@@ -51,7 +53,7 @@ class Route {
   [[nodiscard]] double length_m() const;
   /// Time of the whole drive, stops included [s].
   [[nodiscard]] double duration_s() const;
-  /// Linear between samples; clamped to the ends.
+  /// Linear between samples (time from the departure, where a stop is); clamped to the ends.
   [[nodiscard]] RoutePoint at(double s_m) const;
   /// Where a car on schedule is `time_s` after setting off: s [m]. Stands still during stops.
   [[nodiscard]] double s_at_time(double time_s) const;
@@ -64,8 +66,13 @@ class Route {
   [[nodiscard]] Pose pose(double s_m) const;
 
  private:
+  /// Index of the sample before `s_m`; the first or last but one beyond the ends.
+  [[nodiscard]] std::size_t segment(double s_m) const;
+
   std::vector<RoutePoint> points_;
   std::vector<RouteStop> stops_;
+  /// When the car leaves each point [s].
+  std::vector<double> departure_s_;
 };
 
 }  // namespace locsim::sim

@@ -1,0 +1,35 @@
+#include "localization/registry.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "core/error.h"
+#include "localization/icp/icp_localizer.h"
+
+namespace locsim::localization {
+
+namespace {
+
+constexpr std::array kKinds = {
+    LocalizerKind{"icp", "PCL's point-to-point ICP to the prior map, joined with the IMU",
+                  make_icp_settings},
+};
+
+}  // namespace
+
+std::span<const LocalizerKind> localizer_kinds() {
+  return kKinds;
+}
+
+std::unique_ptr<LocalizerSettings> make_localizer_settings(std::string_view name) {
+  const auto kind = std::ranges::find(kKinds, name, &LocalizerKind::name);
+  if (kind != kKinds.end()) return kind->make_settings();
+  std::string message = "localizer '" + std::string(name) + "' is not known; there is";
+  for (const LocalizerKind& known : kKinds) {
+    message += (&known == kKinds.data() ? " " : ", ") + std::string(known.name);
+  }
+  throw InputError(message);
+}
+
+}  // namespace locsim::localization

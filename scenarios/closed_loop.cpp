@@ -1,0 +1,383 @@
+#include "scenarios/closed_loop.h"
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <span>
+#include <utility>
+#include <variant>
+
+#include "localization/propagate.h"
+#include "localization/registry.h"
+#include "sim/faults/faults.h"
+#include "sim/gnss/gnss.h"
+#include "sim/imu/imu.h"
+#include "sim/lidar/lidar.h"
+#include "sim/magnetometer/magnetometer.h"
+#include "sim/ray_scene.h"
+#include "sim/traffic.h"
+#include "sim/vehicle/driver.h"
+#include "sim/vehicle/vehicle.h"
+
+namespace locsim::scenarios {
+
+namespace {
+
+using localization::Estimate;
+using localization::State;
+
+/// Period of the driver, and of what the sensors but the LIDAR are sampled in.
+constexpr Duration kControlPeriod{10'000'000};
+/// Nothing farther than this blocks a satellite.
+constexpr double kSkyReach_m = 300.0;
+
+/// Adds the wall-clock time of its scope to a sum.
+class CostTimer {
+ public:
+  explicit CostTimer(double& sum_s) : sum_s_(sum_s), start_(std::chrono::steady_clock::now()) {}
+  CostTimer(const CostTimer&) = delete;
+  CostTimer& operator=(const CostTimer&) = delete;
+  ~CostTimer() { sum_s_ += elapsed_s(); }
+  [[nodiscard]] double elapsed_s() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  double& sum_s_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+using Message = std::variant<ImuSample, GnssFix, MagneticHeading, std::shared_ptr<LidarScan>>;
+
+/// What one tick hands to the localizer, and what it answers.
+struct Batch {
+  Stamp tick;
+  std::vector<Message> messages;
+  std::optional<Estimate> estimate;
+  double cost_s = 0.0;
+
+  [[nodiscard]] bool has_scan() const {
+    return std::ranges::any_of(messages, [](const Message& message) {
+      return std::holds_alternative<std::shared_ptr<LidarScan>>(message);
+    });
+  }
+};
+
+Stamp delivered_at(const Message& message) {
+  return std::visit(
+      [](const auto& m) {
+        if constexpr (requires { m->end; }) {
+          return m->end;
+        } else {
+          return m.time;
+        }
+      },
+      message);
+}
+
+void feed(localization::Localizer& localizer, Batch& batch) {
+  CostTimer timer(batch.cost_s);
+  for (const Message& message : batch.messages) {
+    std::visit(
+        [&](const auto& m) {
+          if constexpr (requires { m->points; }) {
+            localizer.add(*m);
+          } else {
+            localizer.add(m);
+          }
+        },
+        message);
+  }
+  batch.estimate = localizer.estimate();
+}
+
+localization::Rig make_rig(const SensorSuite& sensors) {
+  localization::Rig rig;
+  rig.T_vehicle_imu = sensors.imu.mount.pose();
+  for (const LidarSetup& lidar : sensors.lidar) rig.T_vehicle_lidar.push_back(lidar.mount.pose());
+  rig.antenna_in_vehicle_m = sensors.gnss.mount.pose().translation;
+  const sim::ImuSpec& imu = sensors.imu.spec;
+  rig.imu_rate_hz = imu.rate_hz;
+  rig.gyro_noise_rad_s_sqrthz = imu.gyro_noise_rad_s_sqrthz;
+  rig.accel_noise_m_s2_sqrthz = imu.accelerometer_noise_m_s2_sqrthz;
+  rig.gyro_bias_walk_rad_s2_sqrthz = imu.gyro_bias_walk_rad_s_sqrts;
+  rig.accel_bias_walk_m_s3_sqrthz = imu.accelerometer_bias_walk_m_s2_sqrts;
+  return rig;
+}
+
+/// What the driver is told between scans: the newest estimate that has reached it, carried on by
+/// the IMU.
+class DriverEstimate {
+ public:
+  explicit DriverEstimate(localization::Rig rig) : rig_(std::move(rig)) {}
+
+  void add(std::span<const ImuSample> samples) {
+    recent_.insert(recent_.end(), samples.begin(), samples.end());
+    if (belief_) belief_ = propagate(*belief_, samples, rig_);
+  }
+
+  void deliver(const std::optional<Estimate>& estimate) {
+    if (!estimate) return;
+    std::erase_if(recent_, [&](const ImuSample& s) { return s.time <= estimate->time; });
+    belief_ = propagate(*estimate, recent_, rig_);
+  }
+
+  [[nodiscard]] std::optional<sim::DriverView> view() const {
+    if (!belief_ || belief_->state == State::initializing) return std::nullopt;
+    const Vector3d velocity_vehicle =
+        belief_->T_map_vehicle.rotation.conjugate() * belief_->velocity_m_s;
+    return sim::DriverView{.T_map_vehicle = belief_->T_map_vehicle,
+                           .speed_m_s = velocity_vehicle.x(),
+                           .yaw_rate_rad_s = belief_->angular_rate_rad_s.z()};
+  }
+
+ private:
+  localization::Rig rig_;
+  std::optional<Estimate> belief_;
+  std::vector<ImuSample> recent_;
+};
+
+sim::DriverView truth_view(const sim::TruthState& truth) {
+  const Vector3d velocity_vehicle = truth.T_map_vehicle.rotation.conjugate() * truth.velocity_m_s;
+  return {.T_map_vehicle = truth.T_map_vehicle,
+          .speed_m_s = velocity_vehicle.x(),
+          .yaw_rate_rad_s = truth.angular_rate_rad_s.z()};
+}
+
+class ClosedLoop {
+ public:
+  ClosedLoop(const Scenario& scenario, const Stage& stage,
+             std::shared_ptr<const maps::PriorMap> map, const RunOptions& options);
+  RunRecord run();
+
+ private:
+  /// A LIDAR, its scan under way, and up to when its rays have been cast.
+  struct MountedLidar {
+    sim::Lidar lidar;
+    std::shared_ptr<LidarScan> scan;
+    Stamp cast_to;
+
+    void begin_scan(Stamp start) {
+      scan = std::make_shared<LidarScan>(lidar.start_scan(start));
+      cast_to = start;
+    }
+  };
+
+  void step_vehicle();
+  void drive_one_period();
+  void sample_light_sensors(Stamp from);
+  void cast_lidars();
+  void deliver_finished_scans();
+  void tick();
+  void await_localizer();
+  void deliver_due_estimates();
+
+  const Scenario& scenario_;
+  const RunOptions& options_;
+  Duration tick_period_;
+  Duration latency_;
+  double expected_end_s_;
+  double end_s_;
+
+  LocalFrame frame_;
+  std::vector<sim::Actor> actors_;
+  std::vector<Pose> actor_poses_;
+  sim::RayScene scene_;
+  sim::Vehicle vehicle_;
+  sim::Driver driver_;
+  sim::Controls controls_;
+  sim::Trajectory trajectory_;
+  std::vector<MountedLidar> lidars_;
+  sim::Imu imu_;
+  sim::Gnss gnss_;
+  sim::Magnetometer magnetometer_;
+  sim::Faults faults_;
+
+  localization::Rig rig_;
+  std::unique_ptr<localization::Localizer> localizer_;
+  DriverEstimate driver_estimate_;
+  std::vector<Message> inbox_;
+  std::deque<std::shared_ptr<Batch>> in_flight_;
+  tbb::task_group localizer_task_;
+
+  Stamp now_;
+  RunRecord record_;
+};
+
+ClosedLoop::ClosedLoop(const Scenario& scenario, const Stage& stage,
+                       std::shared_ptr<const maps::PriorMap> map, const RunOptions& options)
+    : scenario_(scenario),
+      options_(options),
+      tick_period_(scenario.sensors.lidar.front().spec.period()),
+      latency_(duration_from_seconds(scenario.latency_s)),
+      expected_end_s_(scenario.duration_s > 0.0 ? scenario.duration_s : stage.route.duration_s()),
+      end_s_(time_limit_s(scenario, stage)),
+      frame_(stage.world.origin),
+      actors_(build_traffic(scenario, stage)),
+      actor_poses_(actors_.size()),
+      scene_(stage.world, actors_),
+      vehicle_(scenario.vehicle.spec, stage.world, stage.route.pose(0.0), actors_),
+      driver_(scenario.vehicle.driver, scenario.vehicle.spec, stage.route),
+      trajectory_(Stamp{}, scenario.vehicle.spec.step),
+      imu_(scenario.sensors.imu.spec, scenario.sensors.imu.mount.pose(), scenario.seed),
+      gnss_(scenario.sensors.gnss.spec, scenario.sensors.gnss.mount.pose().translation,
+            scenario.seed),
+      magnetometer_(scenario.sensors.magnetometer.spec, scenario.seed),
+      faults_(scenario.faults),
+      rig_(make_rig(scenario.sensors)),
+      localizer_(scenario.localizer.settings->make(
+          {.rig = rig_, .map = std::move(map), .threads = options.threads})),
+      driver_estimate_(rig_) {
+  const std::span<const LidarSetup> setups = scenario.sensors.lidar;
+  for (std::size_t i = 0; i < setups.size(); ++i) {
+    lidars_.push_back({.lidar = sim::Lidar(setups[i].spec, setups[i].mount.pose(),
+                                           static_cast<std::uint16_t>(i), scenario.seed)});
+    lidars_.back().begin_scan(Stamp{});
+  }
+  // One physics step ahead of the clock: the trajectory's last tangent needs the pose after it.
+  trajectory_.push(vehicle_.T_map_vehicle());
+  step_vehicle();
+}
+
+void ClosedLoop::step_vehicle() {
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    actor_poses_[i] = actors_[i].pose_at(trajectory_.end());
+  }
+  vehicle_.set_actor_poses(actor_poses_);
+  vehicle_.step(controls_);
+  trajectory_.push(vehicle_.T_map_vehicle());
+}
+
+void ClosedLoop::drive_one_period() {
+  CostTimer timer(record_.cost.vehicle_s);
+  const bool by_truth = scenario_.vehicle.feedback == "truth";
+  const std::optional<sim::DriverView> view =
+      by_truth ? truth_view(trajectory_.at(now_)) : driver_estimate_.view();
+  controls_ = driver_.control(now_, view);
+  now_ += kControlPeriod;
+  while (trajectory_.end() < now_) step_vehicle();
+}
+
+void ClosedLoop::sample_light_sensors(Stamp from) {
+  CostTimer timer(record_.cost.other_sensors_s);
+  std::vector<ImuSample> imu;
+  imu_.sample(trajectory_, from, now_, imu);
+  std::vector<MagneticHeading> headings;
+  magnetometer_.sample(trajectory_, from, now_, headings);
+  std::vector<GnssFix> fixes;
+  const bool outage = faults_.active("gnss_outage", now_);
+  const auto is_blocked = [&](const Vector3d& origin, const Vector3d& direction, Stamp time) {
+    return outage || scene_.is_blocked(origin, direction, kSkyReach_m, time);
+  };
+  gnss_.sample(trajectory_, is_blocked, frame_, from, now_, fixes);
+
+  driver_estimate_.add(imu);
+  inbox_.insert(inbox_.end(), imu.begin(), imu.end());
+  inbox_.insert(inbox_.end(), headings.begin(), headings.end());
+  inbox_.insert(inbox_.end(), fixes.begin(), fixes.end());
+  record_.fixes.insert(record_.fixes.end(), fixes.begin(), fixes.end());
+}
+
+void ClosedLoop::cast_lidars() {
+  CostTimer timer(record_.cost.lidar_s);
+  for (MountedLidar& mounted : lidars_) {
+    if (now_ <= mounted.cast_to) continue;
+    if (!faults_.active("lidar_blackout", mounted.cast_to)) {
+      mounted.lidar.cast(scene_, trajectory_, mounted.cast_to, now_, *mounted.scan);
+    }
+    mounted.cast_to = now_;
+  }
+}
+
+void ClosedLoop::deliver_finished_scans() {
+  for (MountedLidar& mounted : lidars_) {
+    if (now_ < mounted.scan->end) continue;
+    if (!mounted.scan->points.empty()) {
+      record_.scan_times.push_back(now_);
+      inbox_.emplace_back(std::move(mounted.scan));
+    }
+    mounted.begin_scan(now_);
+  }
+}
+
+void ClosedLoop::tick() {
+  record_.truth.push_back(trajectory_.at(now_));
+  auto batch = std::make_shared<Batch>();
+  batch->tick = now_;
+  batch->messages = std::exchange(inbox_, {});
+  std::ranges::stable_sort(batch->messages, {}, delivered_at);
+  in_flight_.push_back(batch);
+  localizer_task_.run([this, batch] { feed(*localizer_, *batch); });
+}
+
+void ClosedLoop::await_localizer() {
+  CostTimer timer(record_.cost.waiting_s);
+  localizer_task_.wait();
+}
+
+void ClosedLoop::deliver_due_estimates() {
+  while (!in_flight_.empty() && now_ >= in_flight_.front()->tick + latency_) {
+    const std::shared_ptr<Batch> batch = in_flight_.front();
+    in_flight_.pop_front();
+    driver_estimate_.deliver(batch->estimate);
+    if (batch->estimate) record_.estimates.push_back(*batch->estimate);
+    record_.cost.localizer_s += batch->cost_s;
+    if (batch->has_scan()) record_.cost.scan_ms.push_back(1e3 * batch->cost_s);
+  }
+}
+
+RunRecord ClosedLoop::run() {
+  {
+    CostTimer timer(record_.cost.total_s);
+    Stamp next_tick = Stamp{} + tick_period_;
+    const Stamp last = stamp_from_seconds(end_s_);
+    while (now_ < last && !driver_.finished()) {
+      const Stamp from = now_;
+      drive_one_period();
+      sample_light_sensors(from);
+
+      const bool is_tick = now_ >= next_tick;
+      const bool is_due = !in_flight_.empty() && now_ >= in_flight_.front()->tick + latency_;
+      if (is_tick || is_due) cast_lidars();
+      if (is_due) {
+        await_localizer();
+        deliver_due_estimates();
+      }
+      if (is_tick) {
+        deliver_finished_scans();
+        // The localizer takes one batch at a time.
+        await_localizer();
+        tick();
+        next_tick += tick_period_;
+        if (options_.progress) options_.progress(to_seconds(now_), expected_end_s_);
+      }
+    }
+    await_localizer();
+    now_ += latency_;
+    deliver_due_estimates();
+    now_ -= latency_;
+  }
+  record_.route_finished = driver_.finished();
+  record_.simulated_s = to_seconds(now_);
+  record_.collisions = vehicle_.collisions();
+  return std::move(record_);
+}
+
+}  // namespace
+
+RunRecord run_closed_loop(const Scenario& scenario, const Stage& stage,
+                          std::shared_ptr<const maps::PriorMap> map, const RunOptions& options) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(options.threads));
+  RunRecord record;
+  tbb::task_arena arena(options.threads);
+  arena.execute([&] { record = ClosedLoop(scenario, stage, std::move(map), options).run(); });
+  return record;
+}
+
+}  // namespace locsim::scenarios

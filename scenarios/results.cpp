@@ -1,0 +1,166 @@
+#include "scenarios/results.h"
+
+#include <algorithm>
+#include <fstream>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "core/error.h"
+#include "scenarios/output_folder.h"
+#include "scenarios/run_files.h"
+#include "scenarios/yaml_parameters.h"
+
+namespace locsim::scenarios {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+Json to_json(std::optional<double> value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+// Exact: a double cannot hold the nanoseconds of a GPS time.
+std::string seconds_text(Stamp time) {
+  const std::int64_t total_ns = time.time_since_epoch().count();
+  const auto ns = static_cast<std::uint64_t>(total_ns < 0 ? -total_ns : total_ns);
+  std::string fraction = std::to_string(ns % 1'000'000'000);
+  fraction.insert(0, 9 - fraction.size(), '0');
+  return (total_ns < 0 ? "-" : "") + std::to_string(ns / 1'000'000'000) + "." + fraction;
+}
+
+void append(std::string& row, char separator, std::initializer_list<double> values) {
+  for (const double value : values) {
+    row += separator;
+    row += shortest_text(value);
+  }
+}
+
+void append_pose(std::string& row, char separator, const Pose& pose) {
+  const Vector3d& t = pose.translation;
+  const Eigen::Quaterniond& q = pose.rotation;
+  append(row, separator, {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()});
+}
+
+template <typename Sample>
+std::string tum_text(const std::vector<Sample>& samples) {
+  std::string text = "# t_s x_m y_m z_m qx qy qz qw\n";
+  for (const Sample& sample : samples) {
+    text += seconds_text(sample.time);
+    append_pose(text, ' ', sample.T_map_vehicle);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string estimate_csv(const std::vector<localization::Estimate>& estimates) {
+  std::string text = std::string(kEstimateHeader) + "\n";
+  for (const localization::Estimate& estimate : estimates) {
+    text += seconds_text(estimate.time);
+    append_pose(text, ',', estimate.T_map_vehicle);
+    const Vector3d& v = estimate.velocity_m_s;
+    append(text, ',', {v.x(), v.y(), v.z()});
+    const Vector6d sigma = estimate.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    const Vector3d sigma_deg = kDegreesPerRadian * sigma.tail<3>();
+    append(text, ',', {sigma[0], sigma[1], sigma[2]});
+    append(text, ',', {sigma_deg[0], sigma_deg[1], sigma_deg[2]});
+    text += "," + std::string(to_string(estimate.state)) + "\n";
+  }
+  return text;
+}
+
+std::string gnss_csv(const std::vector<GnssFix>& fixes, const GeodeticPoint& origin) {
+  const LocalFrame frame(origin);
+  std::string text = std::string(kGnssHeader) + "\n";
+  for (const GnssFix& fix : fixes) {
+    text += seconds_text(fix.time) + (fix.valid ? ",1," : ",0,") + std::to_string(fix.satellites);
+    if (fix.valid) {
+      const GeodeticPoint& at = fix.position;
+      const Vector3d p = frame.to_map(at);
+      const Vector3d& v = fix.velocity_enu_m_s;
+      const Vector3d sigma = fix.position_covariance_m2.diagonal().cwiseMax(0.0).cwiseSqrt();
+      const Vector3d sigma_v = fix.velocity_covariance_m2_s2.diagonal().cwiseMax(0.0).cwiseSqrt();
+      append(
+          text, ',',
+          {at.latitude_rad * kDegreesPerRadian, at.longitude_rad * kDegreesPerRadian, at.height_m});
+      append(text, ',', {p.x(), p.y(), p.z(), v.x(), v.y(), v.z()});
+      append(text, ',', {sigma[0], sigma[1], sigma[2], sigma_v[0], sigma_v[1], sigma_v[2]});
+    } else {
+      text.append(15, ',');
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+void write_file(const fs::path& file, const std::string& content) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << content;
+  stream.close();
+  if (!stream) throw InputError(file.string() + ": cannot be written; is the disk full?");
+}
+
+Json cost_json(const Cost& cost) {
+  Json json = {{"scan_ms_mean", cost.scan_ms_mean},
+               {"scan_ms_p99", cost.scan_ms_p99},
+               {"real_time_factor", cost.real_time_factor},
+               {"wall_s", cost.wall_s},
+               {"simulated_s", cost.simulated_s}};
+  for (const auto& [stage, seconds] : cost.stages_s) json["stages"][stage] = seconds;
+  return json;
+}
+
+Json event_json(const EventResult& result) {
+  return {{"kind", result.event.kind},
+          {"from_s", to_seconds(result.event.from)},
+          {"until_s", to_seconds(result.event.until)},
+          {"outage_drift_percent", to_json(result.outage_drift_percent)},
+          {"relocalized", result.relocalized},
+          {"relocalization_s", to_json(result.relocalization_s)},
+          {"relocalization_distance_m", to_json(result.relocalization_distance_m)}};
+}
+
+}  // namespace
+
+bool RunResult::passed() const {
+  return scores.any_estimate && std::ranges::all_of(criteria, &CriterionResult::passed);
+}
+
+std::string scores_json(const RunResult& result) {
+  Json json = {{"scenario", result.scenario},
+               {"seed", result.seed},
+               {"localizer", result.localizer},
+               {"passed", result.passed()}};
+  for (const Score& score : result.scores.scores) json["scores"][score.name] = to_json(score.value);
+  json["criteria"] = Json::array();
+  for (const CriterionResult& c : result.criteria) {
+    json["criteria"].push_back({{"score", c.criterion.score},
+                                {"expected", c.criterion.text},
+                                {"value", to_json(c.value)},
+                                {"passed", c.passed}});
+  }
+  json["events"] = Json::array();
+  for (const EventResult& event : result.scores.events) json["events"].push_back(event_json(event));
+  json["hash"] = result.hash();
+  json["cost"] = cost_json(result.cost);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_results(const RunResult& result, const fs::path& folder,
+                   const std::function<void(const fs::path&)>& add_files) {
+  PendingFolder pending(folder);
+  write_file(pending.path() / run_file::kScores, scores_json(result));
+  write_file(pending.path() / run_file::kTruth, tum_text(result.truth));
+  write_file(pending.path() / run_file::kEstimateTum, tum_text(result.estimates));
+  write_file(pending.path() / run_file::kEstimate, estimate_csv(result.estimates));
+  write_file(pending.path() / run_file::kGnss, gnss_csv(result.fixes, result.origin));
+  write_file(pending.path() / run_file::kScenario, result.scenario_yaml);
+  if (add_files) add_files(pending.path());
+  pending.put_in_place();
+}
+
+}  // namespace locsim::scenarios

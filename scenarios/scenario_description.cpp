@@ -1,0 +1,253 @@
+#include "scenarios/scenario_description.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/error.h"
+#include "scenarios/presets.h"
+#include "scenarios/text_distance.h"
+
+namespace locsim::scenarios {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kNoPreset = "none";
+
+struct NamedMount {
+  std::string_view name;
+  Vector3d position_m;
+};
+const std::array<NamedMount, 3>& named_mounts() {
+  static const std::array<NamedMount, 3> mounts = {
+      {{"roof", {1.35, 0.0, 1.9}}, {"cabin", {1.0, 0.0, 0.5}}, {"antenna", {0.6, 0.0, 1.6}}}};
+  return mounts;
+}
+
+}  // namespace
+
+SensorSuite::SensorSuite()
+    : lidar{{.preset = "hdl32e", .mount = {.position_m = named_mounts()[0].position_m}}},
+      imu{.preset = "mti10", .mount = {.position_m = named_mounts()[1].position_m}},
+      gnss{.preset = "ublox_f9p", .mount = {.position_m = named_mounts()[2].position_m}},
+      magnetometer{.preset = "mti10"} {}
+
+void ScenarioDescription::unsigned_integer(std::string_view key, std::uint64_t& value) {
+  auto as_signed = static_cast<std::int64_t>(value);
+  p_.integer(key, as_signed, kNotNegative);
+  value = static_cast<std::uint64_t>(as_signed);
+}
+
+fs::path ScenarioDescription::resolved(std::string_view key, const std::string& text) const {
+  const bool by_option = reader_ != nullptr && reader_->is_overridden(key);
+  return fs::absolute(by_option ? fs::path(text) : folder_ / text).lexically_normal();
+}
+
+void ScenarioDescription::path(std::string_view key, fs::path& path, PathKind kind) {
+  std::string text = path.string();
+  p_.text(key, text);
+  path = existing(key, text, kind);
+}
+
+fs::path ScenarioDescription::existing(std::string_view key, const std::string& text,
+                                       PathKind kind) {
+  const std::string wanted = kind == PathKind::folder ? "a folder" : "a file";
+  if (text.empty()) p_.fail(key, "is missing, needs the path of " + wanted);
+  fs::path path = resolved(key, text);
+  if (reader_ == nullptr) return path;
+  if (!fs::exists(path)) {
+    p_.fail(key, "is '" + text + "', but there is no " + path.string());
+  }
+  if (fs::is_directory(path) != (kind == PathKind::folder)) {
+    p_.fail(key, "is '" + text + "', needs " + wanted);
+  }
+  return path;
+}
+
+void ScenarioDescription::describe(Scenario& scenario) {
+  p_.text("name", scenario.name);
+  if (scenario.name.empty()) p_.fail("name", "is empty, needs a name");
+  p_.text("about", scenario.about);
+  unsigned_integer("seed", scenario.seed);
+  p_.number("duration_s", scenario.duration_s, {.min = 0.0, .max = 1e5});
+  p_.number("latency_s", scenario.latency_s, {.min = 0.0, .max = 1.0});
+  const auto group = [this](std::string_view key, auto& setup) {
+    p_.begin_group(key);
+    describe(setup);
+    p_.end_group();
+  };
+  group("world", scenario.world);
+  group("route", scenario.route);
+  group("vehicle", scenario.vehicle);
+  p_.group("traffic", scenario.traffic);
+  group("sensors", scenario.sensors);
+  check_imu_rate(scenario);
+  p_.list("faults", scenario.faults);
+  group("map", scenario.map);
+  group("localizer", scenario.localizer);
+  describe_expectations(scenario.expect);
+}
+
+void ScenarioDescription::describe(WorldSetup& world) {
+  constexpr std::array<std::string_view, 2> kKinds = {"town", "mesh"};
+  p_.choice("kind", world.kind, kKinds);
+  unsigned_integer("seed", world.seed);
+  p_.begin_group("origin");
+  p_.degrees("latitude_deg", world.origin.latitude_rad, {.min = -89.0, .max = 89.0});
+  p_.degrees("longitude_deg", world.origin.longitude_rad, {.min = -180.0, .max = 180.0});
+  p_.number("height_m", world.origin.height_m, {.min = -500.0, .max = 9000.0});
+  p_.end_group();
+  if (world.kind == "town") {
+    world.town.describe(p_);
+  } else {
+    world.mesh.describe(p_);
+    world.mesh.file = existing("file", world.mesh.file, PathKind::file).string();
+  }
+}
+
+void ScenarioDescription::describe(RouteSetup& route) {
+  constexpr std::array<std::string_view, 2> kKinds = {"town", "recorded"};
+  p_.choice("kind", route.kind, kKinds);
+  if (route.kind == "town") {
+    route.town.describe(p_);
+  } else {
+    path("file", route.file, PathKind::file);
+    route.recorded.describe(p_);
+  }
+}
+
+void ScenarioDescription::describe(VehicleSetup& vehicle) {
+  constexpr std::array<std::string_view, 1> kKinds = {"sedan"};
+  constexpr std::array<std::string_view, 2> kFeedback = {"estimate", "truth"};
+  p_.choice("kind", vehicle.kind, kKinds);
+  p_.choice("feedback", vehicle.feedback, kFeedback);
+  vehicle.spec.describe(p_);
+  p_.group("driver", vehicle.driver);
+}
+
+void ScenarioDescription::describe(SensorSuite& sensors) {
+  sensors.lidar.resize(p_.begin_list("lidar", sensors.lidar.size()), SensorSuite().lidar.front());
+  for (std::size_t i = 0; i < sensors.lidar.size(); ++i) {
+    p_.begin_item(i);
+    describe_sensor("lidar", sensors.lidar[i], MountKeys::pose);
+    p_.end_item();
+  }
+  p_.end_list();
+  if (sensors.lidar.empty()) p_.fail("lidar", "is empty, needs at least one LIDAR");
+  const auto sensor = [this](std::string_view key, auto& setup, MountKeys mount_keys) {
+    p_.begin_group(key);
+    describe_sensor(key, setup, mount_keys);
+    p_.end_group();
+  };
+  sensor("imu", sensors.imu, MountKeys::pose);
+  sensor("gnss", sensors.gnss, MountKeys::position);
+  sensor("magnetometer", sensors.magnetometer, MountKeys::none);
+}
+
+template <typename Spec>
+void ScenarioDescription::describe_sensor(std::string_view sensor, SensorSetup<Spec>& setup,
+                                          MountKeys mount_keys) {
+  describe_preset(sensor, setup.preset);
+  if (mount_keys != MountKeys::none) describe_mount(setup.mount, mount_keys);
+  setup.spec.describe(p_);
+}
+
+void ScenarioDescription::describe_preset(std::string_view sensor, std::string& preset) {
+  p_.text("preset", preset);
+  if (reader_ == nullptr || preset == kNoPreset) return;
+  if (const auto text = embedded_preset(sensor, preset)) {
+    reader_->add_preset(std::string(*text),
+                        "sim/" + std::string(sensor) + "/presets/" + preset + ".yaml");
+    return;
+  }
+  const fs::path file = resolved("preset", preset);
+  if (!fs::is_regular_file(file)) {
+    const bool meant_as_path = preset.find('/') != std::string::npos || preset.ends_with(".yaml");
+    if (meant_as_path) p_.fail("preset", "is '" + preset + "', but there is no " + file.string());
+    p_.fail("preset", "is '" + preset +
+                          "', needs a preset of this sensor, the path of a YAML file"
+                          " or none" +
+                          suggestion(preset, preset_names(sensor)));
+  }
+  reader_->add_preset(read_text_file(file), file.string());
+  preset = kNoPreset;
+}
+
+void ScenarioDescription::describe_mount(Mount& mount, MountKeys keys) {
+  if (reader_ != nullptr && reader_->is_value("mount")) {
+    std::vector<std::string_view> names;
+    for (const NamedMount& named : named_mounts()) names.push_back(named.name);
+    std::string name;
+    p_.choice("mount", name, names);
+    const auto found = std::ranges::find(named_mounts(), name, &NamedMount::name);
+    mount = {.position_m = found->position_m};
+    return;
+  }
+  p_.begin_group("mount");
+  p_.number("x_m", mount.position_m.x(), {.min = -20.0, .max = 20.0});
+  p_.number("y_m", mount.position_m.y(), {.min = -20.0, .max = 20.0});
+  p_.number("z_m", mount.position_m.z(), {.min = -20.0, .max = 20.0});
+  if (keys == MountKeys::pose) {
+    p_.degrees("roll_deg", mount.roll_pitch_yaw_rad.x(), {.min = -360.0, .max = 360.0});
+    p_.degrees("pitch_deg", mount.roll_pitch_yaw_rad.y(), {.min = -360.0, .max = 360.0});
+    p_.degrees("yaw_deg", mount.roll_pitch_yaw_rad.z(), {.min = -360.0, .max = 360.0});
+  }
+  p_.end_group();
+}
+
+void ScenarioDescription::check_imu_rate(const Scenario& scenario) {
+  if (reader_ == nullptr) return;
+  try {
+    (void)scenario.sensors.imu.spec.steps_per_sample(scenario.vehicle.spec.step);
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    p_.begin_group("sensors");
+    p_.begin_group("imu");
+    p_.fail("rate_hz", message.substr(std::min(message.find("is "), message.size())));
+  }
+}
+
+void ScenarioDescription::describe(MapSetup& map) {
+  constexpr std::array<std::string_view, 2> kSources = {"survey", "file"};
+  p_.choice("source", map.source, kSources);
+  if (map.source == "survey") {
+    map.survey.describe(p_);
+  } else {
+    path("file", map.file, PathKind::folder);
+  }
+}
+
+void ScenarioDescription::describe(LocalizerSetup& localizer) {
+  std::vector<std::string_view> kinds;
+  for (const localization::LocalizerKind& kind : localization::localizer_kinds()) {
+    kinds.push_back(kind.name);
+  }
+  const std::string before = localizer.kind;
+  p_.choice("kind", localizer.kind, kinds);
+  if (localizer.kind != before) {
+    localizer.settings = localization::make_localizer_settings(localizer.kind);
+  }
+  localizer.settings->describe(p_);
+}
+
+void ScenarioDescription::describe_expectations(std::vector<Criterion>& expect) {
+  p_.begin_group("expect");
+  if (reader_ == nullptr) {
+    for (Criterion& criterion : expect) p_.text(criterion.score, criterion.text);
+  } else {
+    expect.clear();
+    for (const std::string& score : reader_->keys()) {
+      std::string text;
+      p_.text(score, text);
+      try {
+        expect.push_back(parse_criterion(score, text));
+      } catch (const InputError& error) {
+        p_.fail(score, error.what());
+      }
+    }
+  }
+  p_.end_group();
+}
+
+}  // namespace locsim::scenarios

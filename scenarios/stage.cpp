@@ -1,0 +1,65 @@
+#include "scenarios/stage.h"
+
+#include <array>
+#include <utility>
+
+#include "core/error.h"
+#include "maps/build/survey.h"
+#include "sim/traffic.h"
+#include "sim/world/mesh_world.h"
+#include "sim/world/recorded_layout.h"
+#include "sim/world/town.h"
+#include "sim/world/town_layout.h"
+
+namespace locsim::scenarios {
+
+namespace {
+
+/// How long the localizer may take to find itself before the drive [s of simulated time].
+constexpr double kStartAllowance_s = 30.0;
+/// How much longer than scheduled a drive may take.
+constexpr double kScheduleAllowance = 1.2;
+
+}  // namespace
+
+Stage build_stage(const Scenario& scenario) {
+  Stage stage;
+  GeodeticPoint origin = scenario.world.origin;
+  sim::Layout layout;
+  if (scenario.route.kind == "recorded") {
+    stage.track = sim::load_recorded_track(scenario.route.file, origin);
+    origin = stage.track->origin;
+    layout = sim::make_recorded_layout(*stage.track, scenario.route.recorded);
+  } else {
+    layout = sim::make_town_layout(scenario.route.town, scenario.world.seed);
+  }
+  stage.route = layout.route;
+  stage.world = scenario.world.kind == "mesh"
+                    ? sim::load_mesh_world(scenario.world.mesh, origin)
+                    : sim::build_town(scenario.world.town, layout, scenario.world.seed, origin);
+  return stage;
+}
+
+std::shared_ptr<const maps::PriorMap> build_map(const Scenario& scenario, const Stage& stage) {
+  if (scenario.map.source == "file") {
+    return std::make_shared<const maps::PriorMap>(maps::load(scenario.map.file));
+  }
+  const std::array<const TriangleMesh*, 2> standing = {&stage.world.ground,
+                                                       &stage.world.structures};
+  std::vector<Vector3d> path;
+  for (const sim::RoutePoint& point : stage.route.points()) path.push_back(point.position);
+  return std::make_shared<const maps::PriorMap>(maps::build::survey(
+      standing, scenario.map.survey, stage.world.origin, scenario.world.seed, path));
+}
+
+double time_limit_s(const Scenario& scenario, const Stage& stage) {
+  if (scenario.duration_s > 0.0) return scenario.duration_s;
+  return kScheduleAllowance * stage.route.duration_s() + kStartAllowance_s;
+}
+
+std::vector<sim::Actor> build_traffic(const Scenario& scenario, const Stage& stage) {
+  return sim::make_traffic(scenario.traffic, stage.route, stage.world, scenario.seed, Stamp{},
+                           stamp_from_seconds(time_limit_s(scenario, stage)));
+}
+
+}  // namespace locsim::scenarios

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "maps/prior_map.h"
+#include "scenarios/scenario.h"
+#include "sim/actors.h"
+#include "sim/world/recorded_track.h"
+#include "sim/world/route.h"
+#include "sim/world/world.h"
+
+namespace locsim::scenarios {
+
+/// What a scenario is played on.
+struct Stage {
+  sim::World world;
+  sim::Route route;
+  /// The log behind a recorded route.
+  std::optional<sim::RecordedTrack> track;
+};
+
+/// Builds the world and the route. Throws InputError for files that cannot be used.
+[[nodiscard]] Stage build_stage(const Scenario& scenario);
+
+/// Surveys the stage's standing parts, or loads the map's folder.
+[[nodiscard]] std::shared_ptr<const maps::PriorMap> build_map(const Scenario& scenario,
+                                                              const Stage& stage);
+
+/// When a run ends at the latest [s]: the scenario's duration, or the route's with an allowance.
+[[nodiscard]] double time_limit_s(const Scenario& scenario, const Stage& stage);
+
+/// The moving actors of the whole run.
+[[nodiscard]] std::vector<sim::Actor> build_traffic(const Scenario& scenario, const Stage& stage);
+
+}  // namespace locsim::scenarios

@@ -1,0 +1,85 @@
+#include "sim/imu/imu.h"
+
+#include <cmath>
+
+#include "core/physics.h"
+#include "sim/imu/sample_times.h"
+
+namespace locsim::sim {
+
+namespace {
+
+const Vector3d kGravityMap(0.0, 0.0, -kGravity_m_s2);
+
+Stamp time_of_step(const Trajectory& trajectory, std::size_t step) {
+  return trajectory.start() + static_cast<std::int64_t>(step) * trajectory.step();
+}
+
+// Of a point fixed in the vehicle, in the map frame, at a physics step.
+Vector3d velocity_of(const Trajectory& trajectory, std::size_t step, const Vector3d& p_vehicle) {
+  // Throws beyond the end, so it comes before the poses are read.
+  const Vector3d velocity_vehicle_m_s = trajectory.at(time_of_step(trajectory, step)).velocity_m_s;
+  const auto arm = [&](std::size_t i) -> Vector3d {
+    return trajectory.poses()[i].rotation * p_vehicle;
+  };
+  // Second order at the very first pose, too.
+  const Vector3d difference = step == 0 ? Vector3d(-3.0 * arm(0) + 4.0 * arm(1) - arm(2))
+                                        : Vector3d(arm(step + 1) - arm(step - 1));
+  return velocity_vehicle_m_s + difference / (2.0 * to_seconds(trajectory.step()));
+}
+
+}  // namespace
+
+Imu::Imu(const ImuSpec& spec, const Pose& T_vehicle_imu, std::uint64_t seed)
+    : spec_((check_parameters(spec, "imu"), spec)),
+      T_vehicle_imu_(T_vehicle_imu),
+      gyro_white_(seed, "imu/gyro/white"),
+      accelerometer_white_(seed, "imu/accelerometer/white"),
+      gyro_bias_(MarkovNoise::random_walk(seed, "imu/gyro/bias", spec.gyro_bias_initial_rad_s,
+                                          spec.gyro_bias_walk_rad_s_sqrts, spec.period())),
+      accelerometer_bias_(MarkovNoise::random_walk(
+          seed, "imu/accelerometer/bias", spec.accelerometer_bias_initial_m_s2,
+          spec.accelerometer_bias_walk_m_s2_sqrts, spec.period())) {}
+
+void Imu::sample(const Trajectory& trajectory, Stamp from, Stamp to, std::vector<ImuSample>& out) {
+  const std::int64_t steps = spec_.steps_per_sample(trajectory.step());
+  const SampleTimes times{.start = trajectory.start(), .period = spec_.period()};
+  for (std::int64_t k = times.first_after(from); times[k] <= to; ++k) {
+    ImuSample sample = ideal(trajectory, static_cast<std::size_t>((k - 1) * steps),
+                             static_cast<std::size_t>(k * steps));
+    if (spec_.noise) add_errors(k, sample);
+    out.push_back(sample);
+  }
+}
+
+ImuSample Imu::ideal(const Trajectory& trajectory, std::size_t first_step,
+                     std::size_t last_step) const {
+  ImuSample sample;
+  sample.time = time_of_step(trajectory, last_step);
+  const double dt_s = to_seconds(sample.time - time_of_step(trajectory, first_step));
+  const Vector3d& arm = T_vehicle_imu_.translation;
+  const Vector3d velocity_change_m_s =
+      velocity_of(trajectory, last_step, arm) - velocity_of(trajectory, first_step, arm);
+  const Eigen::Quaterniond R_map_first =
+      trajectory.poses()[first_step].rotation * T_vehicle_imu_.rotation;
+  const Eigen::Quaterniond R_map_last =
+      trajectory.poses()[last_step].rotation * T_vehicle_imu_.rotation;
+  const Vector3d turn_rad = so3::log(R_map_first.conjugate() * R_map_last);
+  const Eigen::Quaterniond R_map_middle = R_map_first * so3::exp(0.5 * turn_rad);
+  sample.angular_rate_rad_s = turn_rad / dt_s;
+  sample.specific_force_m_s2 =
+      R_map_middle.conjugate() * (velocity_change_m_s / dt_s - kGravityMap);
+  return sample;
+}
+
+void Imu::add_errors(std::int64_t k, ImuSample& sample) {
+  const auto index = static_cast<std::uint64_t>(k);
+  const double per_sample = 1.0 / std::sqrt(to_seconds(spec_.period()));
+  sample.angular_rate_rad_s +=
+      gyro_bias_.at(k) + spec_.gyro_noise_rad_s_sqrthz * per_sample * gyro_white_.gaussian3(index);
+  sample.specific_force_m_s2 +=
+      accelerometer_bias_.at(k) +
+      spec_.accelerometer_noise_m_s2_sqrthz * per_sample * accelerometer_white_.gaussian3(index);
+}
+
+}  // namespace locsim::sim

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/messages.h"
+#include "core/pose.h"
+#include "core/random.h"
+#include "core/time.h"
+#include "sim/imu/imu_spec.h"
+#include "sim/imu/markov_noise.h"
+#include "sim/trajectory.h"
+
+namespace locsim::sim {
+
+/// An inertial measurement unit on the vehicle.
+///
+/// A sample covers the interval [a, b] of whole physics steps, Δt long. Its means are those of a
+/// unit that does its own strapdown integration at a high rate (coning and sculling removed):
+///
+///     ω = Log(R_aᵀ·R_b) / Δt
+///     f = R_mᵀ·((v_b − v_a)/Δt − g),   R_m = R_a·Exp(ω·Δt/2)
+///
+/// R is the imu's attitude and v the velocity of its own place in the map, the trajectory's plus
+/// the central difference of the rotating lever arm: Euler and centripetal terms are within.
+/// Hence a receiver that does R_b = R_a·Exp(ω·Δt), v_b = v_a + (R_m·f + g)·Δt and
+/// p_b = p_a + (v_a + v_b)·Δt/2 has attitude and velocity exactly, and the position to a bounded
+/// Δt²/12·(change of acceleration) as long as the motion has nothing near half the sample rate.
+class Imu {
+ public:
+  /// Throws InputError where `spec` is out of its limits.
+  Imu(const ImuSpec& spec, const Pose& T_vehicle_imu, std::uint64_t seed);
+
+  /// Appends every sample whose interval ends in (from, to], to ≤ trajectory.end(). Samples end at
+  /// trajectory.start() + k·period, k = 1, 2, … Calls go forward in time; how they cut it makes no
+  /// difference. Throws InputError where the rate does not divide that of the trajectory.
+  void sample(const Trajectory& trajectory, Stamp from, Stamp to, std::vector<ImuSample>& out);
+
+  [[nodiscard]] const ImuSpec& spec() const { return spec_; }
+
+ private:
+  [[nodiscard]] ImuSample ideal(const Trajectory& trajectory, std::size_t first_step,
+                                std::size_t last_step) const;
+  void add_errors(std::int64_t k, ImuSample& sample);
+
+  ImuSpec spec_;
+  Pose T_vehicle_imu_;
+  RandomStream gyro_white_;
+  RandomStream accelerometer_white_;
+  MarkovNoise gyro_bias_;
+  MarkovNoise accelerometer_bias_;
+};
+
+}  // namespace locsim::sim

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geodesy.h"
+#include "core/parameters.h"
+#include "sim/world/layout.h"
+#include "sim/world/world.h"
+
+namespace locsim::sim {
+
+/// How a town looks.
+struct TownConfig {
+  /// Least and greatest height of buildings, floor to ridge [m].
+  std::vector<double> building_height_m = {9.0, 30.0};
+  /// Share of the streets' frontage without buildings; 1 leaves none.
+  double building_gap_share = 0.15;
+  double tree_spacing_m = 14.0;
+  double lamp_spacing_m = 28.0;
+  double sign_spacing_m = 35.0;
+  /// Of bins, bollards, boxes and benches together [m].
+  double furniture_spacing_m = 12.0;
+  double bus_stop_spacing_m = 350.0;
+  /// Share of the kerbs' length taken by parked cars, where there is room.
+  double parked_share = 0.3;
+  /// From the border of the route's lane to a parked car, at least [m].
+  double parked_clearance_m = 1.1;
+
+  void describe(Parameters& p);
+};
+
+/// Builds a town along all streets of `layout`: ground, rows of buildings, trees, street furniture
+/// and parked cars, of `town_materials()`. The same arguments give the same bytes. Nothing stands
+/// within 0.4 m of the route's lane below 3.5 m, nor on a carriageway; buildings keep off the
+/// pavements and each other. Where there is no room, as where a recorded route comes back on
+/// itself, less is built. Throws InputError where `config` is out of its limits.
+[[nodiscard]] World build_town(const TownConfig& config, const Layout& layout, std::uint64_t seed,
+                               const GeodeticPoint& origin);
+
+}  // namespace locsim::sim
