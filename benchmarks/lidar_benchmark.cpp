@@ -21,7 +21,7 @@ namespace {
 // A straight street of 1 km between two rows of houses with window recesses, trees and poles.
 void add_wall(TriangleMesh& mesh, double x0, double x1, double y, double height, bool faces_left,
               MaterialId material) {
-  constexpr double kTile_m = 0.5;
+  constexpr double kTile_m = 0.33;
   const int columns = static_cast<int>((x1 - x0) / kTile_m);
   const int rows = static_cast<int>(height / kTile_m);
   for (int i = 0; i < columns; ++i) {
@@ -30,12 +30,13 @@ void add_wall(TriangleMesh& mesh, double x0, double x1, double y, double height,
       const double depth = (is_window ? 0.15 : 0.0) * (faces_left ? -1.0 : 1.0);
       const double x = x0 + kTile_m * i;
       const double z = kTile_m * j;
-      const Vector3d a(x, y + depth, z), b(x + kTile_m, y + depth, z),
-          c(x + kTile_m, y + depth, z + kTile_m), d(x, y + depth, z + kTile_m);
+      const Vector3d a(x, y + depth, z);
+      const Vector3d right(kTile_m, 0.0, 0.0);
+      const Vector3d up(0.0, 0.0, kTile_m);
       if (faces_left) {
-        mesh.add_quad(b, a, d, c, material);
+        mesh.add_quad(a + right, a, a + up, a + right + up, material);
       } else {
-        mesh.add_quad(a, b, c, d, material);
+        mesh.add_quad(a, a + right, a + right + up, a + up, material);
       }
     }
   }
@@ -47,11 +48,16 @@ World street_world() {
                      {.name = "plaster", .reflectivity_905nm = 0.5},
                      {.name = "foliage", .reflectivity_905nm = 0.5},
                      {.name = "car", .reflectivity_905nm = 0.4}};
-  for (int i = 0; i < 2000; ++i) {
-    for (int j = -16; j < 16; ++j) {
-      const double x = 0.5 * i, y = 0.5 * j;
-      const auto at = [](double px, double py) { return Vector3d(px, py, 0.05 * std::sin(px / 7.0) - 0.002 * py * py); };
-      world.ground.add_quad(at(x, y), at(x + 0.5, y), at(x + 0.5, y + 0.5), at(x, y + 0.5), 0);
+  constexpr double kTile_m = 0.4;
+  const auto ground = [](int i, int j) {
+    const double x = kTile_m * i;
+    const double y = kTile_m * j;
+    return Vector3d(x, y, 0.05 * std::sin(x / 7.0) - 0.002 * y * y);
+  };
+  for (int i = 0; i < 2500; ++i) {
+    for (int j = -20; j < 20; ++j) {
+      world.ground.add_quad(ground(i, j), ground(i + 1, j), ground(i + 1, j + 1), ground(i, j + 1),
+                            0);
     }
   }
   for (int house = 0; house < 50; ++house) {
@@ -60,23 +66,24 @@ World street_world() {
     add_wall(world.structures, x, x + 18.0, 8.0 + 0.5 * (house % 3), height, false, 1);
     add_wall(world.structures, x, x + 18.0, -8.0 - 0.5 * (house % 2), height, true, 1);
     for (int side : {-1, 1}) {
-      add_box(world.structures, {.translation = {x + 9.0, side * 14.0, height / 2}}, {9.0, 5.0, height / 2}, 1);
+      add_box(world.structures, {.translation = {x + 9.0, side * 14.0, height / 2}},
+              {9.0, 5.0, height / 2}, 1);
       Pose base{.translation = {x + 5.0, side * 5.5, 0.0}};
       add_frustum(world.structures, base, 0.15, 0.12, 3.0, 8, 2);
       for (int k = 0; k < 200; ++k) {  // leaves
-        const double a = 2.4 * k, r = 1.5 * std::sqrt(k / 200.0);
-        const Vector3d p(x + 5.0 + r * std::cos(a), side * 5.5 + r * std::sin(a), 3.0 + 2.0 * std::fmod(0.618 * k, 1.0));
-        const Vector3d u(0.2 * std::cos(3.0 * a), 0.2 * std::sin(3.0 * a), 0.1), v(0.1 * std::sin(a), 0.0, 0.2);
+        const double a = 2.4 * k;
+        const double r = 1.5 * std::sqrt(k / 200.0);
+        const Vector3d p(x + 5.0 + r * std::cos(a), side * 5.5 + r * std::sin(a),
+                         3.0 + 2.0 * std::fmod(0.618 * k, 1.0));
+        const Vector3d u(0.2 * std::cos(3.0 * a), 0.2 * std::sin(3.0 * a), 0.1);
+        const Vector3d v(0.1 * std::sin(a), 0.0, 0.2);
         world.structures.add_quad(p, p + u, p + u + v, p + v, 2);
       }
-      add_frustum(world.structures, {.translation = {x + 15.0, side * 5.0, 0.0}}, 0.08, 0.06, 6.0, 12, 1);
+      add_frustum(world.structures, {.translation = {x + 15.0, side * 5.0, 0.0}}, 0.08, 0.06, 6.0,
+                  12, 1);
       add_box(world.parked_cars, {.translation = {x + 11.0, side * 4.0, 0.8}}, {2.2, 0.9, 0.7}, 3);
     }
   }
-  TriangleMesh car;
-  add_box(car, {.translation = {0.0, 0.0, 0.8}}, {2.2, 0.9, 0.7}, 3);
-  world.actor_shapes.push_back(car);
-  world.actor_half_extents_m.push_back({2.2, 0.9, 0.7});
   return world;
 }
 

@@ -100,18 +100,9 @@ class PartialFolder {
   bool moved_ = false;
 };
 
-std::vector<Vector3f> read_tile(const fs::path& file, std::size_t expected) {
-  if (!fs::is_regular_file(file)) fail(file, std::string("is missing") + kBuildAgain);
-  pcl::PCLPointCloud2 cloud;
-  int status = -1;
-  std::string reason;
-  try {
-    status = pcl::PCDReader{}.read(file.string(), cloud);
-  } catch (const std::exception& error) {
-    reason = std::string(" (") + error.what() + ")";
-  }
-  if (status != 0) fail(file, "is truncated or not a PCD file" + reason + kBuildAgain);
-
+/// Byte offsets of x, y and z within a point.
+std::array<std::size_t, 3> coordinate_offsets(const fs::path& file,
+                                              const pcl::PCLPointCloud2& cloud) {
   std::array<std::size_t, 3> offsets{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string name(1, "xyz"[axis]);
@@ -122,10 +113,44 @@ std::vector<Vector3f> read_tile(const fs::path& file, std::size_t expected) {
     }
     offsets[axis] = field->offset;
   }
-  const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
-  if (count != expected) {
-    fail(file, "has " + std::to_string(count) + " points, but " + kIndexName + " says " +
-                   std::to_string(expected) + kBuildAgain);
+  return offsets;
+}
+
+std::vector<Vector3f> read_tile(const fs::path& file, std::size_t expected) {
+  if (!fs::is_regular_file(file)) fail(file, std::string("is missing") + kBuildAgain);
+  pcl::PCLPointCloud2 cloud;
+  Eigen::Vector4f origin;
+  Eigen::Quaternionf orientation;
+  int version = 0;
+  int data_type = 0;
+  unsigned int data_start = 0;
+  std::size_t count = 0;
+  std::array<std::size_t, 3> offsets{};
+  try {
+    pcl::PCDReader reader;
+    // PCL crashes on a body that its header does not fit: look at the header first.
+    if (reader.readHeader(file.string(), cloud, origin, orientation, version, data_type,
+                          data_start) != 0 ||
+        data_start == 0) {
+      fail(file, std::string("is not a PCD file") + kBuildAgain);
+    }
+    offsets = coordinate_offsets(file, cloud);
+    count = static_cast<std::size_t>(cloud.width) * cloud.height;
+    if (count != expected) {
+      fail(file, "has " + std::to_string(count) + " points, but " + kIndexName + " says " +
+                     std::to_string(expected) + kBuildAgain);
+    }
+    if (data_type != 1) fail(file, std::string("is not a binary PCD file") + kBuildAgain);
+    if (fs::file_size(file) < data_start + count * cloud.point_step) {
+      fail(file, std::string("is truncated") + kBuildAgain);
+    }
+    if (reader.read(file.string(), cloud) != 0) {
+      fail(file, std::string("cannot be read") + kBuildAgain);
+    }
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {
+    fail(file, std::string("is not a PCD file (") + error.what() + ")" + kBuildAgain);
   }
   std::vector<Vector3f> points(count);
   for (std::size_t i = 0; i < count; ++i) {

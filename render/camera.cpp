@@ -17,8 +17,8 @@ Vector3d Camera::eye() const {
   return origin - view.topLeftCorner<3, 3>().transpose() * view.topRightCorner<3, 1>();
 }
 
-Camera camera_from_above(const Vector3d& center, double turn_rad, double px_per_m,
-                         double bottom_m, double top_m, int width_px, int height_px) {
+Camera camera_from_above(const Vector3d& center, double turn_rad, double px_per_m, double bottom_m,
+                         double top_m, int width_px, int height_px) {
   Camera camera;
   camera.origin = center;
   camera.orthographic = true;

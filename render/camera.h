@@ -1,8 +1,7 @@
 #pragma once
 
-#include <optional>
-
 #include <Eigen/Core>
+#include <optional>
 
 #include "core/pose.h"
 #include "render/canvas.h"
@@ -35,8 +34,7 @@ struct Camera {
 /// Looks straight down on `center`, the map turned counter-clockwise by `turn_rad` in the picture.
 /// Heights from `bottom_m` to `top_m` above `center` are seen.
 [[nodiscard]] Camera camera_from_above(const Vector3d& center, double turn_rad, double px_per_m,
-                                       double bottom_m, double top_m, int width_px,
-                                       int height_px);
+                                       double bottom_m, double top_m, int width_px, int height_px);
 
 /// Looks from `eye` at `target`, z up; the two differ horizontally.
 [[nodiscard]] Camera camera_looking_at(const Vector3d& eye, const Vector3d& target,

@@ -18,13 +18,15 @@ std::pair<double, double> segment_distance(const Vector2d& p, const Vector2d& a,
   return {(p - a - t * along).norm(), t};
 }
 
-bool is_finite(const Vector2d& p) { return std::isfinite(p.x()) && std::isfinite(p.y()); }
+bool is_finite(const Vector2d& p) {
+  return std::isfinite(p.x()) && std::isfinite(p.y());
+}
 
 }  // namespace
 
 Canvas::Canvas(Image& image)
-    : Canvas(image, {0.0, 0.0, static_cast<double>(image.width()),
-                     static_cast<double>(image.height())}) {}
+    : Canvas(image,
+             {0.0, 0.0, static_cast<double>(image.width()), static_cast<double>(image.height())}) {}
 
 Canvas::Canvas(Image& image, const Rect& clip)
     : image_(image),
@@ -79,9 +81,8 @@ void Canvas::stroke_rect(const Rect& rect, double line_px, Color color) {
 }
 
 void Canvas::fill_circle(const Vector2d& center, double radius_px, Color color) {
-  fill_shape(
-      {center.x() - radius_px, center.y() - radius_px, 2.0 * radius_px, 2.0 * radius_px}, color,
-      [&](const Vector2d& p) { return radius_px - (p - center).norm(); });
+  fill_shape({center.x() - radius_px, center.y() - radius_px, 2.0 * radius_px, 2.0 * radius_px},
+             color, [&](const Vector2d& p) { return radius_px - (p - center).norm(); });
 }
 
 void Canvas::fill_triangle(const Vector2d& a, const Vector2d& b, const Vector2d& c, Color color) {

@@ -1,11 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <span>
 #include <utility>
-
-#include <Eigen/Core>
 
 #include "render/image.h"
 

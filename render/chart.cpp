@@ -71,8 +71,8 @@ std::optional<double> interpolate(const std::vector<double>& time_s,
 void draw_band(Image& image, const ChartFrame& frame, const ChartBand& band) {
   Canvas canvas(image, frame.plot);
   const auto span_at = [&](double x) -> std::optional<std::pair<double, double>> {
-    const double at_s = frame.time.low + (x - frame.plot.x) / frame.plot.width *
-                                             (frame.time.high - frame.time.low);
+    const double at_s =
+        frame.time.low + (x - frame.plot.x) / frame.plot.width * (frame.time.high - frame.time.low);
     const auto low = interpolate(band.time_s, band.low, at_s);
     const auto high = interpolate(band.time_s, band.high, at_s);
     if (!low || !high) return std::nullopt;
@@ -94,8 +94,8 @@ Rect span_rect(const ChartFrame& frame, const ChartSpan& span, double y, double 
   const double from = std::clamp(frame.time.fraction(span.from_s), 0.0, 1.0);
   const double to = std::clamp(frame.time.fraction(span.to_s), 0.0, 1.0);
   // An instant is as wide as can be seen.
-  return {frame.plot.x + from * frame.plot.width, y,
-          std::max((to - from) * frame.plot.width, 1.5), height};
+  return {frame.plot.x + from * frame.plot.width, y, std::max((to - from) * frame.plot.width, 1.5),
+          height};
 }
 
 void draw_event_labels(Image& image, const Typography& typography, const ChartFrame& frame,
@@ -104,7 +104,9 @@ void draw_event_labels(Image& image, const Typography& typography, const ChartFr
   std::array<double, rows> taken_to;
   taken_to.fill(-std::numeric_limits<double>::infinity());
   for (const ChartSpan& event : panel.events) {
-    const TextStyle text{.size_px = style.text_px, .color = palette::ink_soft, .halo_px = 2.0,
+    const TextStyle text{.size_px = style.text_px,
+                         .color = palette::ink_soft,
+                         .halo_px = 2.0,
                          .halo = with_alpha(palette::paper, 0.8)};
     const double width = typography.measure(event.label, text).width_px;
     const Rect shaded = span_rect(frame, event, frame.plot.y, frame.plot.height);
@@ -115,8 +117,8 @@ void draw_event_labels(Image& image, const Typography& typography, const ChartFr
     if (row == taken_to.end()) continue;
     *row = left + width;
     const double line = static_cast<double>(row - taken_to.begin());
-    typography.draw(image, event.label,
-                    {left, frame.plot.y + style.text_px * (1.3 + 1.3 * line)}, text);
+    typography.draw(image, event.label, {left, frame.plot.y + style.text_px * (1.3 + 1.3 * line)},
+                    text);
   }
 }
 
@@ -177,8 +179,8 @@ Scale time_scale(std::span<const ChartPanel> panels) {
 
 ChartFrame lay_out_chart(const Typography& typography, const Rect& area, const ChartPanel& panel,
                          const Scale& time, const ChartStyle& style) {
-  const double title = typography.measure(panel.title, {.size_px = style.title_px, .bold = true})
-                           .width_px;
+  const double title =
+      typography.measure(panel.title, {.size_px = style.title_px, .bold = true}).width_px;
   const double legend = legend_width(typography, legend_of(panel), style.text_px);
   const bool one_row = title + legend + 3.0 * style.text_px < area.width - style.left_px;
   const double top = style.title_px * 1.75 + (one_row ? 0.0 : style.text_px * 1.6);
@@ -227,8 +229,8 @@ void draw_chart(Image& image, const Typography& typography, const Rect& area,
   }
 }
 
-Image draw_chart_column(std::span<const ChartPanel> panels, const std::string& title,
-                        int width_px, int height_px) {
+Image draw_chart_column(std::span<const ChartPanel> panels, const std::string& title, int width_px,
+                        int height_px) {
   Image image(width_px, height_px);
   const Typography typography;
   const double unit = width_px / 1600.0;
@@ -248,8 +250,7 @@ Image draw_chart_column(std::span<const ChartPanel> panels, const std::string& t
   const Scale time = time_scale(panels);
   for (std::size_t i = 0; i < panels.size(); ++i) {
     style.time_labels = i + 1 == panels.size();
-    const Rect area{margin, header + static_cast<double>(i) * panel_height,
-                    width_px - 2.0 * margin,
+    const Rect area{margin, header + static_cast<double>(i) * panel_height, width_px - 2.0 * margin,
                     panel_height + (style.time_labels ? footer : 0.0)};
     draw_chart(image, typography, area, panels[i], time, style);
   }

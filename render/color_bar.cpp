@@ -12,9 +12,8 @@ constexpr double entry_gap = 1.6;
 
 }  // namespace
 
-void draw_color_bar(Image& image, const Typography& typography, const Rect& bar,
-                    const Scale& scale, const std::string& caption, double text_px,
-                    bool beyond_scale) {
+void draw_color_bar(Image& image, const Typography& typography, const Rect& bar, const Scale& scale,
+                    const std::string& caption, double text_px, bool beyond_scale) {
   Canvas canvas(image);
   for (double x = bar.x; x < bar.right(); x += 1.0) {
     const double width = std::min(1.0, bar.right() - x);
@@ -61,8 +60,7 @@ void draw_legend(Image& image, const Typography& typography, std::span<const Leg
       }
     }
     x = to.x() + mark_gap * text_px;
-    typography.draw(image, entry.name, {x, y},
-                    {.size_px = text_px, .align_y = AlignY::middle});
+    typography.draw(image, entry.name, {x, y}, {.size_px = text_px, .align_y = AlignY::middle});
     x += typography.measure(entry.name, {.size_px = text_px}).width_px + entry_gap * text_px;
   }
 }

@@ -19,9 +19,8 @@ struct LegendEntry {
 
 /// Draws the turbo colours from left to right inside `bar`, round ticks below it and `caption`
 /// above its left end. An arrow's head at the right tells that values off the scale exist.
-void draw_color_bar(Image& image, const Typography& typography, const Rect& bar,
-                    const Scale& scale, const std::string& caption, double text_px,
-                    bool beyond_scale);
+void draw_color_bar(Image& image, const Typography& typography, const Rect& bar, const Scale& scale,
+                    const std::string& caption, double text_px, bool beyond_scale);
 
 /// Width that `draw_legend` fills [px].
 [[nodiscard]] double legend_width(const Typography& typography,

@@ -32,8 +32,7 @@ void draw(GLenum mode, const std::vector<Vertex>& vertices) {
 }
 
 Vertex to_vertex(const Vector3d& p, Color color) {
-  return {{static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())},
-          color};
+  return {{static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())}, color};
 }
 
 std::array<float, 3> toned(const std::array<float, 3>& color, const Look& look) {
@@ -76,8 +75,8 @@ Image box_filter(const Frame& frame) {
     for (int x = 0; x < image.width(); ++x) {
       std::array<int, 3> sum{};
       for (int j = 0; j < n; ++j) {
-        const Color* row = frame.colors.data() +
-                           static_cast<std::ptrdiff_t>(y * n + j) * frame.width + x * n;
+        const Color* row =
+            frame.colors.data() + static_cast<std::ptrdiff_t>(y * n + j) * frame.width + x * n;
         for (int i = 0; i < n; ++i) {
           sum[0] += row[i].r;
           sum[1] += row[i].g;
@@ -92,8 +91,8 @@ Image box_filter(const Frame& frame) {
 }
 
 GlContext::GlContext(int width_px, int height_px, int factor) : impl_(std::make_unique<Impl>()) {
-  const std::array<int, 7> attributes{OSMESA_FORMAT,  OSMESA_RGBA,           OSMESA_DEPTH_BITS, 24,
-                                      OSMESA_PROFILE, OSMESA_COMPAT_PROFILE, 0};
+  const std::array<int, 7> attributes{
+      OSMESA_FORMAT, OSMESA_RGBA, OSMESA_DEPTH_BITS, 24, OSMESA_PROFILE, OSMESA_COMPAT_PROFILE, 0};
   impl_->context = OSMesaCreateContextAttribs(attributes.data(), nullptr);
   if (impl_->context == nullptr) {
     throw InputError("picture: Mesa cannot make an offscreen context; install libosmesa6");
@@ -131,8 +130,8 @@ void GlContext::clear(Color top, Color bottom) {
   glLoadIdentity();
   glMatrixMode(GL_MODELVIEW);
   glLoadIdentity();
-  draw(GL_TRIANGLE_STRIP, {{{-1, 1, 0}, top}, {{-1, -1, 0}, bottom}, {{1, 1, 0}, top},
-                           {{1, -1, 0}, bottom}});
+  draw(GL_TRIANGLE_STRIP,
+       {{{-1, 1, 0}, top}, {{-1, -1, 0}, bottom}, {{1, 1, 0}, top}, {{1, -1, 0}, bottom}});
   glClearDepth(1.0);
   glClear(GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);
@@ -153,7 +152,8 @@ void GlContext::draw_mesh(const SceneMesh& scene_mesh, const Look& look) {
   impl_->make_current();
   const TriangleMesh& mesh = *scene_mesh.mesh;
   std::vector<std::array<float, 3>> tones;
-  for (const Material& material : scene_mesh.materials) tones.push_back(toned(material.color, look));
+  for (const Material& material : scene_mesh.materials)
+    tones.push_back(toned(material.color, look));
   const std::array<float, 3> unknown = toned({0.5F, 0.5F, 0.5F}, look);
 
   const Camera& camera = impl_->camera;

@@ -64,8 +64,7 @@ class GlContext {
   void set_camera(const Camera& camera);
   void draw_mesh(const SceneMesh& scene_mesh, const Look& look);
   /// Squares of `size_px` picture pixels, map frame, hidden by what is before them.
-  void draw_points(std::span<const Vector3d> points, std::span<const Color> colors,
-                   double size_px);
+  void draw_points(std::span<const Vector3d> points, std::span<const Color> colors, double size_px);
   /// A line with a colour a vertex, map frame, hidden by what is before it.
   void draw_polyline(std::span<const Vector3d> points, std::span<const Color> colors,
                      double line_px);

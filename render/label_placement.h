@@ -21,8 +21,7 @@ struct CornerPlace {
 };
 /// The emptiest corner, `margin_px` from the borders; of equals the lower left, then lower right,
 /// upper left, upper right.
-[[nodiscard]] CornerPlace place_in_corner(const Vector2d& size, double margin_px,
-                                          const Rect& panel,
+[[nodiscard]] CornerPlace place_in_corner(const Vector2d& size, double margin_px, const Rect& panel,
                                           std::span<const Vector2d> obstacles);
 
 }  // namespace locsim::render

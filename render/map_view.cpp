@@ -30,8 +30,7 @@ Extent extent_of(const std::vector<Vector2d>& points, double turn_rad) {
 }  // namespace
 
 Vector2d MapView::pixel(const Vector3d& p_map) const {
-  const Vector2d turned =
-      Eigen::Rotation2Dd(turn_rad) * Vector2d((p_map - center).head<2>());
+  const Vector2d turned = Eigen::Rotation2Dd(turn_rad) * Vector2d((p_map - center).head<2>());
   return panel.center() + px_per_m * Vector2d(turned.x(), -turned.y());
 }
 
@@ -73,12 +72,11 @@ MapView fit_map_view(std::span<const Vector3d> points, const Rect& panel, double
   for (int degree = -90; degree < 90; ++degree) {
     candidates.push_back(candidate_at(degree * std::numbers::pi / 180.0));
   }
-  const double greatest =
-      std::max_element(candidates.begin(), candidates.end(),
-                       [](const Candidate& a, const Candidate& b) {
-                         return a.px_per_m < b.px_per_m;
-                       })
-          ->px_per_m;
+  const double greatest = std::max_element(candidates.begin(), candidates.end(),
+                                           [](const Candidate& a, const Candidate& b) {
+                                             return a.px_per_m < b.px_per_m;
+                                           })
+                              ->px_per_m;
   Candidate chosen = candidate_at(0.0);
   if (chosen.px_per_m < greatest * 6.0 / 7.0) {
     chosen.height_m = std::numeric_limits<double>::max();
@@ -93,8 +91,8 @@ MapView fit_map_view(std::span<const Vector3d> points, const Rect& panel, double
   view.turn_rad = turn_rad;
   view.px_per_m = chosen.px_per_m;
   view.center = (low + high) / 2.0;
-  view.center.head<2>() = origin.head<2>() + Eigen::Rotation2Dd(-turn_rad) *
-                                                 Vector2d((extent.low + extent.high) / 2.0);
+  view.center.head<2>() =
+      origin.head<2>() + Eigen::Rotation2Dd(-turn_rad) * Vector2d((extent.low + extent.high) / 2.0);
   return view;
 }
 

@@ -8,25 +8,38 @@ namespace {
 
 /// Mean over a square of (2 radius + 1)² cells, shrunk at the borders: two sliding sums.
 std::vector<float> box_blur(const std::vector<float>& cells, int width, int height, int radius) {
-  std::vector<float> result(cells.size());
-  const auto pass = [radius](const std::vector<float>& from, std::vector<float>& to, int lines,
-                             int length, std::ptrdiff_t line_step, std::ptrdiff_t step) {
-    for (int line = 0; line < lines; ++line) {
-      const std::ptrdiff_t base = line * line_step;
-      const auto cell = [&](int i) { return static_cast<std::size_t>(base + i * step); };
-      double sum = 0.0;
-      for (int i = 0; i < std::min(radius, length); ++i) sum += from[cell(i)];
-      for (int i = 0; i < length; ++i) {
-        if (i + radius < length) sum += from[cell(i + radius)];
-        if (i - radius - 1 >= 0) sum -= from[cell(i - radius - 1)];
-        const int count = std::min(i + radius, length - 1) - std::max(i - radius, 0) + 1;
-        to[cell(i)] = static_cast<float>(sum / count);
-      }
-    }
+  const auto share = [radius](int i, int length) {
+    return 1.0F /
+           static_cast<float>(std::min(i + radius, length - 1) - std::max(i - radius, 0) + 1);
   };
   std::vector<float> rows(cells.size());
-  pass(cells, rows, height, width, width, 1);
-  pass(rows, result, width, height, 1, width);
+  for (std::ptrdiff_t y = 0; y < height; ++y) {
+    const float* from = cells.data() + y * width;
+    float* to = rows.data() + y * width;
+    double sum = 0.0;
+    for (int x = 0; x < std::min(radius, width); ++x) sum += from[x];
+    for (int x = 0; x < width; ++x) {
+      if (x + radius < width) sum += from[x + radius];
+      if (x - radius - 1 >= 0) sum -= from[x - radius - 1];
+      to[x] = static_cast<float>(sum) * share(x, width);
+    }
+  }
+  // Downwards all columns at once, so that memory is read along its rows.
+  std::vector<float> result(cells.size());
+  std::vector<double> sums(static_cast<std::size_t>(width), 0.0);
+  const auto add_row = [&](std::ptrdiff_t y, double sign) {
+    if (y < 0 || y >= height) return;
+    const float* from = rows.data() + y * width;
+    for (std::size_t x = 0; x < sums.size(); ++x) sums[x] += sign * from[x];
+  };
+  for (int y = 0; y < radius; ++y) add_row(y, 1.0);
+  for (int y = 0; y < height; ++y) {
+    add_row(y + radius, 1.0);
+    add_row(y - radius - 1, -1.0);
+    float* to = result.data() + static_cast<std::ptrdiff_t>(y) * width;
+    const float factor = share(y, height);
+    for (std::size_t x = 0; x < sums.size(); ++x) to[x] = static_cast<float>(sums[x]) * factor;
+  }
   return result;
 }
 
@@ -54,8 +67,7 @@ void shade_relief(Frame& frame, double metres_per_depth, double px_per_m) {
   for (std::size_t i = 0; i < height.size(); ++i) {
     height[i] = static_cast<float>((1.0 - frame.depth[i]) * metres_per_depth);
   }
-  const int radius =
-      std::clamp(static_cast<int>(hollow_radius_m * px_per_m * frame.factor), 2, 64);
+  const int radius = std::clamp(static_cast<int>(hollow_radius_m * px_per_m * frame.factor), 2, 64);
   const std::vector<float> around = box_blur(height, frame.width, frame.height, radius);
   std::vector<float> lit_from(height);
   for (int y = 0; y < frame.height; ++y) {
@@ -80,8 +92,8 @@ void shade_depth_edges(Frame& frame, double near_m, double far_m) {
   std::vector<float> inverse(frame.depth.size());
   for (std::size_t i = 0; i < inverse.size(); ++i) {
     const double device = 2.0 * frame.depth[i] - 1.0;
-    inverse[i] = static_cast<float>((far_m + near_m - device * (far_m - near_m)) /
-                                    (2.0 * far_m * near_m));
+    inverse[i] =
+        static_cast<float>((far_m + near_m - device * (far_m - near_m)) / (2.0 * far_m * near_m));
   }
   const int radius = std::max(2, frame.height / 90);
   const std::vector<float> around = box_blur(inverse, frame.width, frame.height, radius);

@@ -112,8 +112,8 @@ Image draw_scan(const ScanPicture& picture) {
       typography.draw(image, text, {margin + 20.0 * unit, baseline}, line);
     }
   }
-  const Rect key{picture.width_px - margin - 430.0 * unit,
-                 picture.height_px - margin - 88.0 * unit, 430.0 * unit, 88.0 * unit};
+  const Rect key{picture.width_px - margin - 430.0 * unit, picture.height_px - margin - 88.0 * unit,
+                 430.0 * unit, 88.0 * unit};
   canvas.fill_rect(key, glass, 8.0 * unit);
   const bool beyond = std::any_of(picture.points.begin(), picture.points.end(),
                                   [&](const ScanPoint& p) { return p.range_m > ranges.high; });
@@ -122,8 +122,11 @@ Image draw_scan(const ScanPicture& picture) {
                  ranges, "LIDAR range [m]", 16.0 * unit, beyond);
   if (picture.points.empty()) {
     typography.draw(image, "no returns", {picture.width_px / 2.0, picture.height_px / 2.0},
-                    {.size_px = 44.0 * unit, .color = palette::crimson, .bold = true,
-                     .align_x = AlignX::center, .align_y = AlignY::middle,
+                    {.size_px = 44.0 * unit,
+                     .color = palette::crimson,
+                     .bold = true,
+                     .align_x = AlignX::center,
+                     .align_y = AlignY::middle,
                      .halo_px = 4.0 * unit});
   }
   return image;

@@ -61,9 +61,7 @@ struct Mask {
     return coverage[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                     static_cast<std::size_t>(x)];
   }
-  [[nodiscard]] unsigned char at(int x, int y) const {
-    return const_cast<Mask*>(this)->at(x, y);
-  }
+  [[nodiscard]] unsigned char at(int x, int y) const { return const_cast<Mask*>(this)->at(x, y); }
 };
 
 Mask turned_upwards(const Mask& mask) {
@@ -77,8 +75,7 @@ Mask turned_upwards(const Mask& mask) {
 /// The mask swollen by a disc with a soft rim.
 Mask swollen(const Mask& mask, double radius_px) {
   const int reach = static_cast<int>(std::ceil(radius_px + 0.5));
-  Mask result(mask.left - reach, mask.top - reach, mask.width + 2 * reach,
-              mask.height + 2 * reach);
+  Mask result(mask.left - reach, mask.top - reach, mask.width + 2 * reach, mask.height + 2 * reach);
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
       const double weight = std::clamp(radius_px + 0.5 - std::hypot(dx, dy), 0.0, 1.0);
@@ -225,8 +222,8 @@ void Typography::draw(Image& image, std::string_view text, const Vector2d& at,
     const FT_Bitmap& bitmap = glyph->bitmap;
     for (unsigned row = 0; row < bitmap.rows; ++row) {
       for (unsigned column = 0; column < bitmap.width; ++column) {
-        const int px = static_cast<int>(whole) + glyph->bitmap_left + static_cast<int>(column) -
-                       mask.left;
+        const int px =
+            static_cast<int>(whole) + glyph->bitmap_left + static_cast<int>(column) - mask.left;
         const int py = static_cast<int>(row) - glyph->bitmap_top - mask.top;
         if (!mask.contains(px, py)) continue;
         const unsigned char value =

@@ -41,8 +41,7 @@ class Typography {
  public:
   /// `folder` holds DejaVuSans.ttf and DejaVuSans-Bold.ttf. Throws InputError that names the
   /// package to install where they are absent.
-  explicit Typography(
-      const std::filesystem::path& folder = "/usr/share/fonts/truetype/dejavu");
+  explicit Typography(const std::filesystem::path& folder = "/usr/share/fonts/truetype/dejavu");
   ~Typography();
   Typography(Typography&&) noexcept;
   Typography& operator=(Typography&&) noexcept;

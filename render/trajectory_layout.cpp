@@ -135,8 +135,8 @@ TrajectoryLayout lay_out_trajectory(const TrajectoryPicture& picture,
   layout.chart = error_panel(picture);
   Scale time = time_scale(std::array{layout.chart});
   if (picture.duration_s > 0.0) {
-    time.high = picture.estimate.empty() ? picture.duration_s
-                                         : std::max(time.high, picture.duration_s);
+    time.high =
+        picture.estimate.empty() ? picture.duration_s : std::max(time.high, picture.duration_s);
   }
   layout.chart_frame =
       lay_out_chart(typography, layout.chart_area, layout.chart, time, layout.chart_style);
@@ -144,9 +144,8 @@ TrajectoryLayout lay_out_trajectory(const TrajectoryPicture& picture,
   std::vector<double> errors;
   for (const EstimatePoint& e : picture.estimate) errors.push_back(e.error_m);
   layout.error = error_scale(errors, 0.98);
-  layout.error_beyond_scale = std::any_of(errors.begin(), errors.end(), [&](double e) {
-    return e > layout.error.high * (1.0 + 1e-9);
-  });
+  layout.error_beyond_scale = std::any_of(
+      errors.begin(), errors.end(), [&](double e) { return e > layout.error.high * (1.0 + 1e-9); });
   return layout;
 }
 

@@ -103,8 +103,8 @@ void draw_ends(Image& image, const Typography& typography, const TrajectoryPictu
   const double unit = layout.unit;
   std::vector<Vector2d> obstacles;
   for (const Vector3d& p : path) obstacles.push_back(layout.map.pixel(p));
-  const TextStyle style{.size_px = 19.0 * unit, .bold = true, .align_y = AlignY::middle,
-                        .halo_px = 2.5 * unit};
+  const TextStyle style{
+      .size_px = 19.0 * unit, .bold = true, .align_y = AlignY::middle, .halo_px = 2.5 * unit};
   std::vector<Rect> taken{layout.map_key};
   Canvas canvas(image, layout.map.panel);
   const auto mark = [&](const Vector2d& at, const char* text, Color color) {
@@ -113,8 +113,8 @@ void draw_ends(Image& image, const Typography& typography, const TrajectoryPictu
     canvas.fill_circle(at, 3.5 * unit, palette::paper);
     const Vector2d size(typography.measure(text, style).width_px, 19.0 * unit);
     taken.push_back({at.x() - 11.0 * unit, at.y() - 11.0 * unit, 22.0 * unit, 22.0 * unit});
-    const Rect box = place_label(size, at, 16.0 * unit, layout.map.panel.grown(-6.0 * unit),
-                                 obstacles, taken);
+    const Rect box =
+        place_label(size, at, 16.0 * unit, layout.map.panel.grown(-6.0 * unit), obstacles, taken);
     taken.push_back(box);
     typography.draw(image, text, {box.x, box.center().y()}, style);
   };
@@ -137,9 +137,9 @@ void draw_map_key(Image& image, const Typography& typography, const TrajectoryLa
   const Vector2d notch = middle - 15.0 * unit * north;
   canvas.fill_triangle(tip, foot + 9.0 * unit * side, notch, palette::ink_soft);
   canvas.fill_triangle(tip, foot - 9.0 * unit * side, notch, palette::ink);
-  typography.draw(image, "N", middle + 18.0 * unit * north,
-                  {.size_px = 16.0 * unit, .bold = true, .align_x = AlignX::center,
-                   .align_y = AlignY::middle});
+  typography.draw(
+      image, "N", middle + 18.0 * unit * north,
+      {.size_px = 16.0 * unit, .bold = true, .align_x = AlignX::center, .align_y = AlignY::middle});
 
   const Vector2d left = layout.bar_left;
   const double width = layout.bar.length_px;
@@ -173,8 +173,8 @@ void draw_legend_row(Image& image, const Typography& typography, const Trajector
        {TrackState::initializing, TrackState::degraded, TrackState::lost}) {
     if (std::any_of(picture.estimate.begin(), picture.estimate.end(),
                     [&](const EstimatePoint& e) { return e.state == state; })) {
-      entries.push_back({std::string("rim: ") + state_name(state), state_color(state), Mark::line,
-                         6.0 * unit});
+      entries.push_back(
+          {std::string("rim: ") + state_name(state), state_color(state), Mark::line, 6.0 * unit});
     }
   }
   draw_legend(image, typography, entries, row.x, row.center().y() - 2.0 * unit, text_px);
@@ -186,11 +186,14 @@ void draw_legend_row(Image& image, const Typography& typography, const Trajector
                  layout.error_beyond_scale);
 }
 
-void draw_no_estimate(Image& image, const Typography& typography,
-                      const TrajectoryPicture& picture, const TrajectoryLayout& layout) {
+void draw_no_estimate(Image& image, const Typography& typography, const TrajectoryPicture& picture,
+                      const TrajectoryLayout& layout) {
   const double unit = layout.unit;
-  const TextStyle style{.size_px = 40.0 * unit, .color = palette::crimson, .bold = true,
-                        .align_x = AlignX::center, .align_y = AlignY::middle};
+  const TextStyle style{.size_px = 40.0 * unit,
+                        .color = palette::crimson,
+                        .bold = true,
+                        .align_x = AlignX::center,
+                        .align_y = AlignY::middle};
   std::vector<Vector2d> obstacles;
   for (const Vector3d& p : picture.truth) obstacles.push_back(layout.map.pixel(p));
   // More than any track weighs: the key keeps its corner.
@@ -216,7 +219,8 @@ Image draw_trajectory(const TrajectoryPicture& picture) {
   Canvas(image).stroke_rect(panel.grown(1.0), 1.0, palette::frame);
   if (picture.estimate.empty()) draw_no_estimate(image, typography, picture, layout);
   double baseline = 50.0 * unit;
-  typography.draw(image, picture.title, {panel.x, baseline}, {.size_px = 30.0 * unit, .bold = true});
+  typography.draw(image, picture.title, {panel.x, baseline},
+                  {.size_px = 30.0 * unit, .bold = true});
   baseline += 5.0 * unit;
   for (const std::string& line : picture.subtitle) {
     baseline += 27.0 * unit;

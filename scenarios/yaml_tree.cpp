@@ -82,8 +82,10 @@ class Converter {
 
 std::vector<YAML::Node> load_documents(const std::string& text, const std::string& display_name,
                                        const std::string& fixed_place) {
+  // yaml-cpp 0.7 takes a quote that is never closed for good if a newline ends the text.
+  const std::size_t last = text.find_last_not_of(" \t\r\n");
   try {
-    return YAML::LoadAll(text);
+    return YAML::LoadAll(text.substr(0, last + 1));
   } catch (const YAML::Exception& error) {
     const std::string place = !fixed_place.empty() ? fixed_place
                               : error.mark.is_null()

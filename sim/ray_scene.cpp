@@ -24,10 +24,10 @@ void keep_message(void* /*user*/, RTCError /*code*/, const char* text) {
 void check(RTCDevice device) {
   const RTCError error = rtcGetDeviceError(device);
   if (error == RTC_ERROR_NONE) return;
-  throw std::runtime_error(
-      std::string("ray scene: Embree ") +
-      (error == RTC_ERROR_OUT_OF_MEMORY ? "is out of memory" : "failed") + " (code " +
-      std::to_string(static_cast<int>(error)) + "): " + last_message);
+  throw std::runtime_error(std::string("ray scene: Embree ") +
+                           (error == RTC_ERROR_OUT_OF_MEMORY ? "is out of memory" : "failed") +
+                           " (code " + std::to_string(static_cast<int>(error)) +
+                           "): " + last_message);
 }
 
 void add_mesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh, unsigned geometry_id) {
@@ -136,9 +136,8 @@ RayScene::RayScene(const World& world, std::span<const Actor> actors)
   for (const TriangleMesh& mesh : world.actor_shapes) {
     check_materials(mesh, world.materials.size(), "an actor's shape");
     const TriangleMesh* one = &mesh;
-    shapes_.push_back({.scene = build({&one, 1}),
-                       .materials = mesh.materials,
-                       .bounds = bounding_sphere(mesh)});
+    shapes_.push_back(
+        {.scene = build({&one, 1}), .materials = mesh.materials, .bounds = bounding_sphere(mesh)});
   }
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (actors_[i].shape >= shapes_.size()) {

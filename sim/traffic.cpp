@@ -68,8 +68,8 @@ class FreeFlow {
     time_s_.push_back(0.0);
     for (std::size_t i = 1; i < points_.size(); ++i) {
       const double mean_m_s = 0.5 * (points_[i - 1].speed_m_s + points_[i].speed_m_s);
-      time_s_.push_back(time_s_.back() + (points_[i].s_m - points_[i - 1].s_m) /
-                                             std::max(kSlowest_m_s, mean_m_s));
+      time_s_.push_back(time_s_.back() +
+                        (points_[i].s_m - points_[i - 1].s_m) / std::max(kSlowest_m_s, mean_m_s));
     }
   }
   [[nodiscard]] double time_at(double s_m) const {
@@ -170,8 +170,8 @@ class Planner {
     const double until_s = kStep_s * static_cast<double>(steps_ - 1);
     for (double enters_s = -1.3 * crossing_s; enters_s < until_s;) {
       enters_s += headway_s * random_.uniform(0.4, 1.6);
-      const double pace = random_.uniform(1.0 - config_.oncoming_speed_spread,
-                                          1.0 + config_.oncoming_speed_spread);
+      const double pace =
+          random_.uniform(1.0 - config_.oncoming_speed_spread, 1.0 + config_.oncoming_speed_spread);
       accept(oncoming(stretch, enters_s, pace));
     }
   }
@@ -284,8 +284,8 @@ void TrafficConfig::describe(Parameters& p) {
   p.number("leading_gap_s", leading_gap_s, {1.0, 30.0});
 }
 
-std::vector<Actor> make_traffic(const TrafficConfig& config, const Route& route,
-                                const World& world, std::uint64_t seed, Stamp from, Stamp to) {
+std::vector<Actor> make_traffic(const TrafficConfig& config, const Route& route, const World& world,
+                                std::uint64_t seed, Stamp from, Stamp to) {
   check_parameters(config, "traffic");
   if (to <= from) {
     throw InputError("traffic: ends at " + std::to_string(to_seconds(to)) +

@@ -79,9 +79,9 @@ TruthState Trajectory::at(Stamp time) const {
   TruthState state;
   state.time = time;
   state.T_map_vehicle = pose_at(time);
-  state.velocity_m_s = per_step * ((6.0 * f - 6.0 * f * f) * (a.to - a.from) +
-                                   (3.0 * f * f - 4.0 * f + 1.0) * a.leaving +
-                                   (3.0 * f * f - 2.0 * f) * a.arriving);
+  state.velocity_m_s =
+      per_step * ((6.0 * f - 6.0 * f * f) * (a.to - a.from) +
+                  (3.0 * f * f - 4.0 * f + 1.0) * a.leaving + (3.0 * f * f - 2.0 * f) * a.arriving);
   state.angular_rate_rad_s =
       per_step * so3::log(poses_[i].rotation.conjugate() * poses_[i + 1].rotation);
   return state;

@@ -85,12 +85,13 @@ void IcpLocalizer::add(const MagneticHeading& heading) {
 }
 
 void IcpLocalizer::add(const GnssFix& fix) {
+  if (!is_usable(fix)) return;
   guess_.add(fix);
   if (!filter_) {
     start();
     return;
   }
-  if (!is_usable(fix) || health_.has_recent_registration(filter_->state().time)) return;
+  if (health_.has_recent_registration(filter_->state().time)) return;
   const Duration age = filter_->state().time - fix.time;
   if (age < Duration::zero() - kImuLate || age > kMotionKept) return;
 

@@ -8,8 +8,8 @@ namespace locsim::localization {
 
 namespace {
 
-constexpr std::size_t kCoarsePoints = 250;
-constexpr std::size_t kRefined = 6;
+constexpr std::size_t kCoarsePoints = 150;
+constexpr std::size_t kRefined = 5;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::vector<Vector3f> every_nth(std::span<const Vector3f> points, std::size_t count) {
@@ -64,8 +64,12 @@ PoseSearchResult search_pose(MapRegistration& registration, std::span<const Vect
   const std::vector<Vector3f> few = every_nth(points, kCoarsePoints);
   std::vector<Registration> candidates;
   for (const Pose& start : starts_about(guess, registration, scan_ground_m, config)) {
-    const Registration wide = registration.align(few, start, 3.0, 8, false);
-    candidates.push_back(registration.align(few, wide.T_map_vehicle, 1.0, 8, false));
+    candidates.push_back(registration.align(few, start, 3.0, 8, false));
+  }
+  std::ranges::stable_sort(candidates, {}, &Registration::cost_m2);
+  candidates.resize((candidates.size() + 2) / 3);
+  for (Registration& candidate : candidates) {
+    candidate = registration.align(few, candidate.T_map_vehicle, 1.0, 8, false);
   }
   std::ranges::stable_sort(candidates, {}, &Registration::cost_m2);
 

@@ -89,8 +89,8 @@ void BlockMotion::fill(const BeamDirection& beam, const Lanes& range_m, RTCRayHi
     const Lanes* const m = &rotation_[3 * row];
     const Lanes* const n = &rotation_step_[3 * row];
     lanes(origin[row]) = origin_m_[row] + beam.fraction * origin_step_m_[row];
-    lanes(direction[row]) = m[0] * u.x() + m[1] * u.y() + m[2] * u.z() +
-                                  (n[0] * v.x() + n[1] * v.y() + n[2] * v.z());
+    lanes(direction[row]) =
+        m[0] * u.x() + m[1] * u.y() + m[2] * u.z() + (n[0] * v.x() + n[1] * v.y() + n[2] * v.z());
   }
   lanes(packet.ray.tnear).setZero();
   lanes(packet.ray.time).setZero();

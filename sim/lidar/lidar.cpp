@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -87,16 +88,16 @@ void Lidar::cast(const RayScene& scene, const Trajectory& trajectory, Stamp from
   const std::size_t blocks = blocks_of(heads_.size());
   while (first < blocks && block_end(scan, first) <= from) ++first;
   std::size_t last = first;
-  double way_m = 0.0;
-  const Stamp begin = first == 0 ? scan.start : block_end(scan, first - 1);
-  for (; last < blocks && block_end(scan, last) <= to; ++last) {
-    way_m = std::max(way_m, (trajectory.pose_at(block_end(scan, last)).translation -
-                             trajectory.pose_at(begin).translation)
-                                .norm());
-  }
+  while (last < blocks && block_end(scan, last) <= to) ++last;
   if (first == last) return;
 
-  const Vector3d center = (trajectory.pose_at(begin) * T_vehicle_lidar_).translation;
+  const Stamp begin = first == 0 ? scan.start : block_end(scan, first - 1);
+  const Vector3d center = trajectory.pose_at(begin).translation;
+  double way_m = 0.0;
+  for (std::size_t block = first; block < last; ++block) {
+    const Vector3d place = trajectory.pose_at(block_end(scan, block)).translation;
+    way_m = std::max(way_m, (place - center).norm());
+  }
   const double reach_m = cast_range_m_ + way_m + T_vehicle_lidar_.translation.norm() + kSlack_m;
   const std::vector<std::uint32_t> near =
       scene.actors_near(center, reach_m, begin, block_end(scan, last - 1));
@@ -228,14 +229,14 @@ std::size_t Lidar::report(const Block& block, Stamp scan_start, const std::vecto
       }
       if (range_m < range_min_m || range_m > range_max_m) continue;
       const Vector3f& u = beams_[b].direction;
-      *next++ = {.x_m = range_m * (head.cos * u.x() - head.sin * u.y()),
-                 .y_m = range_m * (head.sin * u.x() + head.cos * u.y()),
-                 .z_m = range_m * u.z(),
-                 .intensity = returns[b].intensity(lane),
-                 .time_ns = static_cast<std::uint32_t>(
-                     (since_start + spec_.beams[b].firing_time).count()),
-                 .ring = rings_[b],
-                 .sensor = sensor_};
+      *next++ = {
+          .x_m = range_m * (head.cos * u.x() - head.sin * u.y()),
+          .y_m = range_m * (head.sin * u.x() + head.cos * u.y()),
+          .z_m = range_m * u.z(),
+          .intensity = returns[b].intensity(lane),
+          .time_ns = static_cast<std::uint32_t>((since_start + spec_.beams[b].firing_time).count()),
+          .ring = rings_[b],
+          .sensor = sensor_};
     }
   }
   return static_cast<std::size_t>(next - points);

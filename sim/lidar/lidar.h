@@ -48,8 +48,7 @@ class Lidar {
   std::size_t cast_block(const RayScene& scene, const Trajectory& trajectory,
                          std::span<const std::uint32_t> near_actors, Stamp scan_start,
                          std::size_t block, LidarPoint* points) const;
-  void meet_standing(const RayScene& scene, const Block& block,
-                     std::vector<Echoes>& echoes) const;
+  void meet_standing(const RayScene& scene, const Block& block, std::vector<Echoes>& echoes) const;
   void meet_actor(const RayScene& scene, std::uint32_t actor, const Block& block,
                   std::vector<Echoes>& echoes) const;
   std::size_t report(const Block& block, Stamp scan_start, const std::vector<Echoes>& echoes,

@@ -106,12 +106,11 @@ Driver::Outlook Driver::outlook(Stamp now, const DriverView& view) const {
       std::clamp(view.yaw_rate_rad_s - yaw_rate(angle_then_rad, view.speed_m_s),
                  -kExcessYawRate_rad_s, kExcessYawRate_rad_s);
   const auto advance = [&](Pose& pose, double angle_rad, double for_s) {
-    const double turn_rad =
-        (yaw_rate(angle_rad, view.speed_m_s) + excess_rad_s) * for_s;
-    pose = pose * Pose{.rotation = rotation_from_rpy(0.0, 0.0, turn_rad),
-                       .translation = view.speed_m_s * for_s *
-                                      Vector3d(std::cos(0.5 * turn_rad),
-                                               std::sin(0.5 * turn_rad), 0.0)};
+    const double turn_rad = (yaw_rate(angle_rad, view.speed_m_s) + excess_rad_s) * for_s;
+    pose = pose *
+           Pose{.rotation = rotation_from_rpy(0.0, 0.0, turn_rad),
+                .translation = view.speed_m_s * for_s *
+                               Vector3d(std::cos(0.5 * turn_rad), std::sin(0.5 * turn_rad), 0.0)};
   };
   Stamp at = taken;
   for (const Steered& steered : steered_) {
@@ -144,8 +143,7 @@ double Driver::steering(const Pose& T_map_ahead, double speed) const {
   const RouteProjection place = route_->project(T_map_ahead.translation, place_.s_m);
   const double speed_m_s = std::max(0.0, speed);
   const RoutePoint lane = mean_lane(place.s_m, speed_m_s * config_.preview_s);
-  const double length_m =
-      std::max(config_.recovery_length_m, config_.recovery_time_s * speed_m_s);
+  const double length_m = std::max(config_.recovery_length_m, config_.recovery_time_s * speed_m_s);
   // The rear axle drifts outwards by its slip angle, so the car points inwards by as much.
   const double slip_rad =
       vehicle_.rear_slip_rad_s2_m() * speed_m_s * speed_m_s * lane.curvature_1_m;
@@ -158,10 +156,9 @@ double Driver::steering(const Pose& T_map_ahead, double speed) const {
   const double most_1_m =
       config_.lateral_acceleration_max_m_s2 / std::max(1.0, speed_m_s * speed_m_s);
   const double wanted_1_m = std::clamp(curvature_1_m, -most_1_m, most_1_m);
-  return std::clamp(
-      std::atan(vehicle_.wheelbase_m * wanted_1_m) +
-          vehicle_.understeer_rad_s2_m() * speed_m_s * speed_m_s * wanted_1_m,
-      -vehicle_.steering_max_rad, vehicle_.steering_max_rad);
+  return std::clamp(std::atan(vehicle_.wheelbase_m * wanted_1_m) +
+                        vehicle_.understeer_rad_s2_m() * speed_m_s * speed_m_s * wanted_1_m,
+                    -vehicle_.steering_max_rad, vehicle_.steering_max_rad);
 }
 
 bool Driver::waits_at_stop(Stamp now, double speed_m_s) {
@@ -177,8 +174,9 @@ bool Driver::waits_at_stop(Stamp now, double speed_m_s) {
     return true;
   }
   const bool is_served = to_seconds(now - *halted_) >= stops[next_stop_].dwell_s;
-  const bool is_early = config_.keep_schedule && route_->s_at_time(to_seconds(now - *set_off_)) <
-                                                     stop_m + kLateEnough_m;
+  const double time_s = to_seconds(now - *set_off_);
+  const bool is_early = config_.keep_schedule && time_s < route_->duration_s() &&
+                        route_->s_at_time(time_s) < stop_m + kLateEnough_m;
   if (!is_served || is_early) return true;
   halted_.reset();
   ++next_stop_;
@@ -190,8 +188,8 @@ double Driver::target_speed(double time_s, double ahead_m) const {
   double target_m_s = std::max(kCreep_m_s, route_->at(s_m).speed_m_s);
   if (config_.keep_schedule) {
     const double late_s = time_s - route_->at(place_.s_m).time_s;
-    target_m_s *= 1.0 + std::clamp(config_.schedule_gain_1_s * late_s,
-                                   -config_.schedule_share_max, config_.schedule_share_max);
+    target_m_s *= 1.0 + std::clamp(config_.schedule_gain_1_s * late_s, -config_.schedule_share_max,
+                                   config_.schedule_share_max);
   }
   const auto& stops = route_->stops();
   const double stop_m =

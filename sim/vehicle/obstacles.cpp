@@ -118,8 +118,8 @@ void Obstacles::move_to(const Vector3d& p_map) {
 void Obstacles::set_actor_poses(std::span<const Pose> T_map_actor) {
   if (T_map_actor.size() != impl_->actor_half_extents_m.size()) {
     throw std::invalid_argument("Vehicle::set_actor_poses: " + std::to_string(T_map_actor.size()) +
-                                " poses for " +
-                                std::to_string(impl_->actor_half_extents_m.size()) + " actors");
+                                " poses for " + std::to_string(impl_->actor_half_extents_m.size()) +
+                                " actors");
   }
   for (std::size_t i = 0; i < T_map_actor.size(); ++i) {
     const Vector3d& half = impl_->actor_half_extents_m[i];
@@ -139,8 +139,8 @@ void Obstacles::count_contacts(bool touches_ground, double step_s) {
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
       if (manifold.getContactPoint(k).getDistance() > 0.0) continue;
       // The car's own index is −1.
-      impl_->touch(std::max(manifold.getBody0()->getUserIndex(),
-                            manifold.getBody1()->getUserIndex()));
+      impl_->touch(
+          std::max(manifold.getBody0()->getUserIndex(), manifold.getBody1()->getUserIndex()));
       break;
     }
   }

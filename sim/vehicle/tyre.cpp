@@ -29,8 +29,8 @@ TyreForce Tyre::step(const TyreLoad& load, double step_s) {
   const double stiffness_n_m =
       spec_.cornering_stiffness_1_rad * load.normal_n / spec_.relaxation_length_m;
   const double speed_m_s = std::abs(load.forward_m_s);
-  const double damping_n_s_m = stiffness_n_m * spec_.damping_time_s *
-                               std::max(0.0, 1.0 - speed_m_s / kDampedBelow_m_s);
+  const double damping_n_s_m =
+      stiffness_n_m * spec_.damping_time_s * std::max(0.0, 1.0 - speed_m_s / kDampedBelow_m_s);
 
   left_deflection_m_ = (left_deflection_m_ + load.left_m_s * step_s) /
                        (1.0 + speed_m_s * step_s / spec_.relaxation_length_m);
@@ -38,11 +38,10 @@ TyreForce Tyre::step(const TyreLoad& load, double step_s) {
   forward_deflection_m_ = std::clamp(forward_deflection_m_ + load.forward_m_s * step_s,
                                      -hold_n / stiffness_n_m, hold_n / stiffness_n_m);
 
-  TyreForce force{
-      .forward_n = load.drive_n - std::clamp(stiffness_n_m * forward_deflection_m_ +
-                                                 damping_n_s_m * load.forward_m_s,
-                                             -hold_n, hold_n),
-      .left_n = -(stiffness_n_m * left_deflection_m_ + damping_n_s_m * load.left_m_s)};
+  TyreForce force{.forward_n = load.drive_n - std::clamp(stiffness_n_m * forward_deflection_m_ +
+                                                             damping_n_s_m * load.forward_m_s,
+                                                         -hold_n, hold_n),
+                  .left_n = -(stiffness_n_m * left_deflection_m_ + damping_n_s_m * load.left_m_s)};
   const double limit_n = spec_.grip * load.normal_n;
   const double wanted_n = std::hypot(force.forward_n, force.left_n);
   if (wanted_n > limit_n) {

@@ -39,7 +39,7 @@ VehicleSpec checked(const VehicleSpec& spec) {
   return spec;
 }
 
-Vector3d ground_below(const GroundMesh& ground, const Vector3d& p_map) {
+Vector3d ground_below(const GroundRays& ground, const Vector3d& p_map) {
   // A start may lie metres off in height (a logged GNSS height); the nearest ground is meant.
   for (const double reach_m : {3.0, 300.0}) {
     const Vector3d reach(0.0, 0.0, reach_m);
@@ -50,13 +50,13 @@ Vector3d ground_below(const GroundMesh& ground, const Vector3d& p_map) {
                    " m of the map; start on the world's ground");
 }
 
-Pose standing_pose(const VehicleSpec& spec, const GroundMesh& ground, const Pose& T_map_start) {
+Pose standing_pose(const VehicleSpec& spec, const GroundRays& ground, const Pose& T_map_start) {
   const double yaw_rad = T_map_start.yaw();
   const Vector3d forward(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
   const Vector3d left(-forward.y(), forward.x(), 0.0);
   const auto wheel = [&](double x_m, double side) {
-    return ground_below(ground, T_map_start.translation + x_m * forward +
-                                    side * 0.5 * spec.track_m * left);
+    return ground_below(ground,
+                        T_map_start.translation + x_m * forward + side * 0.5 * spec.track_m * left);
   };
   const Vector3d rear_left = wheel(0.0, 1.0);
   const Vector3d rear_right = wheel(0.0, -1.0);
@@ -106,11 +106,11 @@ struct Vehicle::Impl {
     const double wanted_rad =
         std::clamp(controls.steering_rad, -spec.steering_max_rad, spec.steering_max_rad);
     const double rate_rad_s =
-        std::clamp((wanted_rad - steering_rad) / spec.steering_lag_s,
-                   -spec.steering_rate_max_rad_s, spec.steering_rate_max_rad_s);
+        std::clamp((wanted_rad - steering_rad) / spec.steering_lag_s, -spec.steering_rate_max_rad_s,
+                   spec.steering_rate_max_rad_s);
     steering_rad += rate_rad_s * step_s;
-    const double wanted_m_s2 = std::clamp(controls.acceleration_m_s2, -spec.braking_max_m_s2,
-                                          spec.acceleration_max_m_s2);
+    const double wanted_m_s2 =
+        std::clamp(controls.acceleration_m_s2, -spec.braking_max_m_s2, spec.acceleration_max_m_s2);
     acceleration_m_s2 += (wanted_m_s2 - acceleration_m_s2) * step_s / spec.acceleration_lag_s;
   }
 
@@ -130,15 +130,14 @@ struct Vehicle::Impl {
       touches = true;
       const btVector3 lever = as_bullet(p_map) - chassis.getCenterOfMassPosition();
       const btVector3 velocity = chassis.getVelocityInLocalPoint(lever);
-      const double force_n =
-          std::max(0.0, kCornerStiffness_n_m * (hit->point.z() - p_map.z()) -
-                            kCornerDamping_n_s_m * velocity.z());
+      const double force_n = std::max(0.0, kCornerStiffness_n_m * (hit->point.z() - p_map.z()) -
+                                               kCornerDamping_n_s_m * velocity.z());
       const btVector3 slide(velocity.x(), velocity.y(), 0.0);
       const double regularised_m_s = std::hypot(slide.length(), 0.1);
-      chassis.applyImpulse((btVector3(0.0, 0.0, force_n) -
-                            slide * (kCornerFriction * force_n / regularised_m_s)) *
-                               step_s,
-                           lever);
+      chassis.applyImpulse(
+          (btVector3(0.0, 0.0, force_n) - slide * (kCornerFriction * force_n / regularised_m_s)) *
+              step_s,
+          lever);
     }
     return touches;
   }
@@ -162,7 +161,7 @@ struct Vehicle::Impl {
   }
 
   VehicleSpec spec;
-  GroundMesh ground;
+  GroundRays ground;
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher;
   btDbvtBroadphase broadphase;

@@ -23,12 +23,12 @@ constexpr double kBumpStiffnessRatio = 12.0;
 // Bullet's wheel rays on the ground mesh alone.
 class Wheels::Raycaster final : public btVehicleRaycaster {
  public:
-  explicit Raycaster(const GroundMesh& ground) : ground_(ground) {}
+  explicit Raycaster(const GroundRays& ground) : ground_(ground) {}
   void* castRay(const btVector3& from, const btVector3& to,
                 btVehicleRaycasterResult& result) override;
 
  private:
-  const GroundMesh& ground_;
+  const GroundRays& ground_;
 };
 
 class Wheels::Car final : public btRaycastVehicle {
@@ -60,7 +60,7 @@ class Wheels::Car final : public btRaycastVehicle {
 };
 
 void* Wheels::Raycaster::castRay(const btVector3& from, const btVector3& to,
-                               btVehicleRaycasterResult& result) {
+                                 btVehicleRaycasterResult& result) {
   const Vector3d start = as_eigen(from);
   const Vector3d end = as_eigen(to);
   const auto hit = ground_.cast(start, end);
@@ -140,9 +140,8 @@ void Wheels::Car::updateFriction(btScalar step_s) {
     const auto& ray = m_wheelInfo[static_cast<int>(wheel)].m_raycastInfo;
     // Ackermann: both front wheels turn about the same point on the rear axle's line.
     const double y_m = (wheel % 2 == 0 ? 0.5 : -0.5) * spec_.track_m;
-    const double steering_rad = is_front ? std::atan2(spec_.wheelbase_m * curvature_1_m,
-                                                      1.0 - curvature_1_m * y_m)
-                                         : 0.0;
+    const double steering_rad =
+        is_front ? std::atan2(spec_.wheelbase_m * curvature_1_m, 1.0 - curvature_1_m * y_m) : 0.0;
     const btVector3& normal = ray.m_contactNormalWS;
     btVector3 forward = axes * btVector3(std::cos(steering_rad), std::sin(steering_rad), 0.0);
     forward = (forward - normal * normal.dot(forward)).normalized();
@@ -163,7 +162,7 @@ void Wheels::Car::updateFriction(btScalar step_s) {
   }
 }
 
-Wheels::Wheels(const VehicleSpec& spec, btRigidBody& chassis, const GroundMesh& ground)
+Wheels::Wheels(const VehicleSpec& spec, btRigidBody& chassis, const GroundRays& ground)
     : raycaster_(std::make_unique<Raycaster>(ground)),
       car_(std::make_unique<Car>(spec, &chassis, raycaster_.get())) {}
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "sim/vehicle/ground_mesh.h"
+#include "sim/vehicle/ground_rays.h"
 #include "sim/vehicle/vehicle_spec.h"
 
 class btRigidBody;
@@ -24,7 +24,7 @@ class Wheels {
  public:
   /// `chassis` has its origin in the centre of mass, x forward, z up. All but `spec` must outlive
   /// this.
-  Wheels(const VehicleSpec& spec, btRigidBody& chassis, const GroundMesh& ground);
+  Wheels(const VehicleSpec& spec, btRigidBody& chassis, const GroundRays& ground);
   ~Wheels();
 
   /// Applies one step's impulses of suspension and tyres to the chassis.

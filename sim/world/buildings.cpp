@@ -176,10 +176,10 @@ class Row {
     plan.street_m = site_.height_m(plan.footprint.at(0.0, -half.y()));
     plan.floor_m = highest_front_m + random_.uniform(0.05, 0.4);
     plan.foot_m = std::min(lowest_m, plan.street_m) - 0.6;
-    const double share = std::clamp(0.15 + 0.5 * plan.density * block_rise_ +
-                                        0.35 * plan.density * random_.uniform() +
-                                        random_.uniform(-0.15, 0.15),
-                                    0.0, 1.0);
+    const double share =
+        std::clamp(0.15 + 0.5 * plan.density * block_rise_ +
+                       0.35 * plan.density * random_.uniform() + random_.uniform(-0.15, 0.15),
+                   0.0, 1.0);
     plan.height_m = rows_.height_min_m + share * (rows_.height_max_m - rows_.height_min_m);
     add_building(site_.world.structures, plan, random_);
     site_.taken.insert(plan.footprint);
@@ -202,10 +202,10 @@ class Row {
 void add_building(TriangleMesh& mesh, const BuildingPlan& plan, RandomSequence& random) {
   const Footprint& base = plan.footprint;
   const bool is_flat = random.chance(0.25 + 0.25 * plan.density);
-  const double roof_m =
-      is_flat ? random.uniform(0.4, 1.1)
-              : std::min(random.uniform(0.35, 0.75) * base.half_extent_m.y() * 1.6,
-                         0.45 * plan.height_m);
+  const double roof_m = is_flat
+                            ? random.uniform(0.4, 1.1)
+                            : std::min(random.uniform(0.35, 0.75) * base.half_extent_m.y() * 1.6,
+                                       0.45 * plan.height_m);
   const FacadeStyle style = draw_facade_style(random, plan.density);
   const Storeys storeys = draw_storeys(plan, plan.height_m - roof_m, random);
   const auto corners = base.corners();

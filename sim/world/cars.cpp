@@ -84,8 +84,12 @@ struct Cabin {
 };
 
 void add_cabin(TriangleMesh& mesh, const Cabin& c, MaterialId paint) {
-  const auto foot = [&](double x, double side) { return Vector3d(x, side * c.belt_half_m, c.belt_m); };
-  const auto roof = [&](double x, double side) { return Vector3d(x, side * c.roof_half_m, c.roof_m); };
+  const auto foot = [&](double x, double side) {
+    return Vector3d(x, side * c.belt_half_m, c.belt_m);
+  };
+  const auto roof = [&](double x, double side) {
+    return Vector3d(x, side * c.roof_half_m, c.roof_m);
+  };
   const double rf = c.rear_foot_m;
   const double rr = c.rear_roof_m;
   const double fr = c.front_roof_m;
@@ -144,15 +148,20 @@ TriangleMesh lorry_mesh(const CarShape& shape) {
   const double rear = half - cab_m;
   add_hull(mesh, {{rear + 0.1, w, 0.45, 1.55}, {half - 0.02, w, 0.40, 1.55}}, shape.paint);
   add_cabin(mesh,
-            {.rear_foot_m = rear + 0.1, .rear_roof_m = rear + 0.1, .front_roof_m = half - 0.35,
-             .front_foot_m = half - 0.02, .belt_m = 1.55, .roof_m = 0.84 * shape.height_m,
-             .belt_half_m = 0.9 * w, .roof_half_m = 0.86 * w, .side_panes = 1,
+            {.rear_foot_m = rear + 0.1,
+             .rear_roof_m = rear + 0.1,
+             .front_roof_m = half - 0.35,
+             .front_foot_m = half - 0.02,
+             .belt_m = 1.55,
+             .roof_m = 0.84 * shape.height_m,
+             .belt_half_m = 0.9 * w,
+             .roof_half_m = 0.86 * w,
+             .side_panes = 1,
              .has_rear_glass = false},
             shape.paint);
   const auto box = [&](double x0, double x1, double half_width, double z0, double z1,
                        TownMaterial material) {
-    add_box(mesh,
-            {Eigen::Quaterniond::Identity(), {0.5 * (x0 + x1), 0.0, 0.5 * (z0 + z1)}},
+    add_box(mesh, {Eigen::Quaterniond::Identity(), {0.5 * (x0 + x1), 0.0, 0.5 * (z0 + z1)}},
             {0.5 * (x1 - x0), half_width, 0.5 * (z1 - z0)}, id(material));
   };
   box(-half + 0.02, rear, w, 1.05, shape.height_m, TownMaterial::car_paint_light);
@@ -195,10 +204,10 @@ TriangleMesh car_mesh(const CarShape& shape) {
   struct Shares {
     double rear_foot, rear_roof, front_roof, front_foot;
   };
-  const Shares shares = is_van                              ? Shares{-0.97, -0.95, 0.50, 0.74}
-                        : shape.kind == CarKind::sedan      ? Shares{-0.72, -0.42, 0.12, 0.46}
-                        : shape.kind == CarKind::hatchback  ? Shares{-0.95, -0.72, 0.16, 0.52}
-                                                            : Shares{-0.95, -0.82, 0.14, 0.46};
+  const Shares shares = is_van                             ? Shares{-0.97, -0.95, 0.50, 0.74}
+                        : shape.kind == CarKind::sedan     ? Shares{-0.72, -0.42, 0.12, 0.46}
+                        : shape.kind == CarKind::hatchback ? Shares{-0.95, -0.72, 0.16, 0.52}
+                                                           : Shares{-0.95, -0.82, 0.14, 0.46};
   const double nose_m = 0.42 * h;
   add_hull(mesh,
            {{-half + 0.01, 0.86 * w, 0.32, 0.9 * belt_m},
@@ -209,10 +218,15 @@ TriangleMesh car_mesh(const CarShape& shape) {
             {half - 0.01, 0.78 * w, 0.28, nose_m}},
            shape.paint);
   add_cabin(mesh,
-            {.rear_foot_m = shares.rear_foot * half, .rear_roof_m = shares.rear_roof * half,
-             .front_roof_m = shares.front_roof * half, .front_foot_m = shares.front_foot * half,
-             .belt_m = belt_m - 0.02, .roof_m = h, .belt_half_m = 0.88 * w,
-             .roof_half_m = (is_van ? 0.84 : 0.70) * w, .side_panes = is_van ? 3 : 2,
+            {.rear_foot_m = shares.rear_foot * half,
+             .rear_roof_m = shares.rear_roof * half,
+             .front_roof_m = shares.front_roof * half,
+             .front_foot_m = shares.front_foot * half,
+             .belt_m = belt_m - 0.02,
+             .roof_m = h,
+             .belt_half_m = 0.88 * w,
+             .roof_half_m = (is_van ? 0.84 : 0.70) * w,
+             .side_panes = is_van ? 3 : 2,
              .has_rear_glass = true},
             shape.paint);
   const double wheel_m = is_van ? 0.34 : 0.31;

@@ -53,8 +53,8 @@ std::vector<Bay> draw_bays(double width_m, const FacadeStyle& style, RandomSeque
   for (const double w : widths_m) {
     const double bay_m = w / sum * width_m;
     Bay bay;
-    bay.window_m = std::clamp(bay_m * style.window_share * random.uniform(0.85, 1.15), 0.5,
-                              bay_m - 0.5);
+    bay.window_m =
+        std::clamp(bay_m * style.window_share * random.uniform(0.85, 1.15), 0.5, bay_m - 0.5);
     const double slack_m = bay_m - bay.window_m - 0.4;
     bay.middle_m = u_m + 0.5 * bay_m + 0.25 * slack_m * random.uniform(-1.0, 1.0);
     bay.has_balconies = random.chance(style.balcony_share);
@@ -77,7 +77,7 @@ void add_balcony(TriangleMesh& mesh, const WallFrame& wall, double middle_m, dou
     add_block(mesh, wall, {u1 - 0.08, v_m, 0.0}, {u1, v_m + 1.0, out_m - 0.08}, style.trim);
     return;
   }
-  for (const double rail_m : {0.15, 0.42, 0.70, 1.0}) {
+  for (const double rail_m : {0.2, 0.6, 1.0}) {
     const double v1 = v_m + rail_m + kBar_m;
     add_block(mesh, wall, {u0, v_m + rail_m, out_m - kBar_m}, {u1, v1, out_m}, kMetal);
     add_block(mesh, wall, {u0, v_m + rail_m, 0.0}, {u0 + kBar_m, v1, out_m - kBar_m}, kMetal);
@@ -131,8 +131,8 @@ void add_upper_floors(TriangleMesh& mesh, const WallFrame& wall, double width_m,
     for (const Opening& o : openings) {
       if (o.v0_m < v0 + 0.1) {
         const double balcony_m = o.u1_m - o.u0_m + random.uniform(0.5, 0.9);
-        add_balcony(mesh, wall, 0.5 * (o.u0_m + o.u1_m), std::min(balcony_m, 0.9 * style.bay_m),
-                    v0, style, random);
+        add_balcony(mesh, wall, 0.5 * (o.u0_m + o.u1_m), std::min(balcony_m, 0.9 * style.bay_m), v0,
+                    style, random);
       } else {
         add_window_parts(mesh, wall, o, style, random);
       }
@@ -162,14 +162,17 @@ void add_shop_front(TriangleMesh& mesh, const WallFrame& wall, double width_m,
   add_storey(mesh, wall, width_m, 0.0, storeys.ground_floor_m, openings, style.wall);
   const double left_m = openings.front().u0_m - 0.2;
   const double right_m = openings.back().u1_m + 0.2;
-  add_block(mesh, wall, {left_m, top_m + 0.1, 0.0}, {right_m, top_m + 0.6, random.uniform(0.1, 0.25)},
+  add_block(mesh, wall, {left_m, top_m + 0.1, 0.0},
+            {right_m, top_m + 0.6, random.uniform(0.1, 0.25)},
             random.chance(0.5) ? kMetal : style.trim);
   for (const Opening& o : openings) {
     if (o.v0_m > 0.1 && random.chance(0.3)) {
       // An awning, let out stiffly.
       const double out_m = random.uniform(0.8, 1.2);
       const double v = top_m - 0.05;
-      const auto at = [&](double side_m, double dv, double w) { return wall.at(side_m, v + dv, w); };
+      const auto at = [&](double side_m, double dv, double w) {
+        return wall.at(side_m, v + dv, w);
+      };
       const double a = o.u0_m - 0.1;
       const double b = o.u1_m + 0.1;
       mesh.add_quad(at(a, -0.35, out_m), at(b, -0.35, out_m), at(b, 0.1, 0), at(a, 0.1, 0), kWood);
@@ -242,8 +245,8 @@ void add_storey(TriangleMesh& mesh, const WallFrame& wall, double width_m, doubl
   add_panel(mesh, wall, u, v0_m, width_m, v1_m, 0.0, material);
 }
 
-void add_block(TriangleMesh& mesh, const WallFrame& wall, const Vector3d& low,
-               const Vector3d& high, MaterialId material) {
+void add_block(TriangleMesh& mesh, const WallFrame& wall, const Vector3d& low, const Vector3d& high,
+               MaterialId material) {
   Matrix3d axes;
   axes << wall.right, Vector3d::UnitZ(), wall.outward();
   const Vector3d middle = 0.5 * (low + high);
@@ -253,7 +256,7 @@ void add_block(TriangleMesh& mesh, const WallFrame& wall, const Vector3d& low,
 
 FacadeStyle draw_facade_style(RandomSequence& random, double density) {
   using enum TownMaterial;
-  constexpr std::array kWalls = {brick,       plaster_light, plaster_light,
+  constexpr std::array kWalls = {brick,        plaster_light, plaster_light,
                                  plaster_dark, concrete,      brick};
   FacadeStyle style;
   const TownMaterial wall = kWalls[random.pick(kWalls.size())];
@@ -269,7 +272,7 @@ FacadeStyle draw_facade_style(RandomSequence& random, double density) {
   style.has_pilasters = random.chance(0.3);
   style.has_frames = random.chance(0.5);
   style.shutter_share = random.chance(0.25) ? random.uniform(0.5, 0.95) : 0.0;
-  style.balcony_share = random.chance(0.55) ? random.uniform(0.15, 0.5) : 0.0;
+  style.balcony_share = random.chance(0.5) ? random.uniform(0.15, 0.45) : 0.0;
   style.blind_share = random.uniform(0.0, 0.08);
   return style;
 }
@@ -316,6 +319,7 @@ void add_plain_facade(TriangleMesh& mesh, const WallFrame& wall, double width_m,
   FacadeStyle plain = style;
   plain.bay_m = random.uniform(3.0, 5.0);
   plain.blind_share = 0.25;
+  plain.window_share = 0.75 * style.window_share;
   const std::vector<Bay> bays = draw_bays(width_m, plain, random);
   add_panel(mesh, wall, 0.0, storeys.foot_m, width_m, 0.0, 0.0, style.wall);
   for (int floor = -1; floor < storeys.upper_floors; ++floor) {
@@ -330,10 +334,6 @@ void add_plain_facade(TriangleMesh& mesh, const WallFrame& wall, double width_m,
                           style.recess_m, kGlass});
     }
     add_storey(mesh, wall, width_m, v0, v1, openings, style.wall);
-    for (const Opening& o : openings) {
-      add_block(mesh, wall, {o.u0_m - 0.08, o.v0_m - 0.1, 0.0}, {o.u1_m + 0.08, o.v0_m, 0.1},
-                style.trim);
-    }
   }
 }
 

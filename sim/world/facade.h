@@ -35,8 +35,8 @@ void add_storey(TriangleMesh& mesh, const WallFrame& wall, double width_m, doubl
                 const std::vector<Opening>& openings, MaterialId material);
 
 /// A closed box in the wall's coordinates (u, v, w).
-void add_block(TriangleMesh& mesh, const WallFrame& wall, const Vector3d& low,
-               const Vector3d& high, MaterialId material);
+void add_block(TriangleMesh& mesh, const WallFrame& wall, const Vector3d& low, const Vector3d& high,
+               MaterialId material);
 
 /// What a facade looks like; drawn once a building.
 struct FacadeStyle {

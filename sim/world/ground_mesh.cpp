@@ -18,12 +18,14 @@ namespace locsim::sim {
 
 namespace {
 
-constexpr double kOutToM = 65.0;
+constexpr double kOutToM = 62.0;
 // Dashes on the crown, only where the camber is full: not in junctions, bends and overlaps.
 constexpr double kDashHalfWidthM = 0.06;
 constexpr double kDashM = 3.0;
 constexpr double kDashPeriodM = 9.0;
 constexpr double kMarkedShare = 0.9;
+// No dash this close to a street's ends [m].
+constexpr double kUnmarkedEndM = 2.0;
 // No vertex lies closer to a cutting line than this [m]: a cut has two sides.
 constexpr double kNudgeM = 1e-4;
 
@@ -49,9 +51,8 @@ double nudged(double value) {
 
 void set_heights(const GroundSample& ground, Corner& corner) {
   corner.road_height_m = ground.road_height_m;
-  corner.raised_height_m = ground.carriageway_distance_m > 0.0
-                               ? ground.height_m
-                               : ground.road_height_m + kKerbHeightM;
+  corner.raised_height_m =
+      ground.carriageway_distance_m > 0.0 ? ground.height_m : ground.road_height_m + kKerbHeightM;
 }
 
 /// Heights are left open.
@@ -100,8 +101,7 @@ Halves cut_polygon(const GroundSurface& surface, const Polygon& polygon, const V
 double dash_end_within(const Polygon& polygon) {
   const auto [low, high] = std::ranges::minmax(polygon, {}, &Corner::station_m);
   for (const double end : {0.0, kDashM}) {
-    const double station =
-        end + kDashPeriodM * std::ceil((low.station_m - end) / kDashPeriodM);
+    const double station = end + kDashPeriodM * std::ceil((low.station_m - end) / kDashPeriodM);
     if (station < high.station_m) return station;
   }
   return std::numeric_limits<double>::quiet_NaN();
@@ -117,8 +117,9 @@ bool is_dash(const Polygon& polygon) {
 /// Builds the mesh triangle by triangle, vertices shared.
 class Sheet {
  public:
-  Sheet(const GroundSurface& surface, const std::vector<Street>& streets)
-      : surface_(surface), streets_(streets) {}
+  Sheet(const GroundSurface& surface, const std::vector<Street>& streets,
+        const std::vector<double>& lengths_m)
+      : surface_(surface), streets_(streets), lengths_m_(lengths_m) {}
 
   [[nodiscard]] TriangleMesh take() { return std::move(mesh_); }
 
@@ -127,15 +128,15 @@ class Sheet {
     if (is_new) {
       const GroundSample ground = surface_.at(x, y);
       const double border = ground.carriageway_distance_m;
-      found->second = {.x = x,
-                       .y = y,
-                       .border_m = nudged(border),
-                       .beyond_pavement_m =
-                           nudged(border - streets_[ground.street].pavement_width_m),
-                       .lateral_m = ground.lateral_m,
-                       .station_m = ground.station_m,
-                       .camber_share = ground.camber_share,
-                       .street = ground.street};
+      found->second = {
+          .x = x,
+          .y = y,
+          .border_m = nudged(border),
+          .beyond_pavement_m = nudged(border - streets_[ground.street].pavement_width_m),
+          .lateral_m = ground.lateral_m,
+          .station_m = ground.station_m,
+          .camber_share = ground.camber_share,
+          .street = ground.street};
       set_heights(ground, found->second);
     }
     return found->second;
@@ -155,12 +156,13 @@ class Sheet {
  private:
   void add_carriageway(const Polygon& polygon) {
     const auto [low, high] = std::ranges::minmax(polygon, {}, &Corner::lateral_m);
-    const bool marked = low.lateral_m < kDashHalfWidthM && high.lateral_m > -kDashHalfWidthM &&
-                        std::ranges::all_of(polygon, [&](const Corner& c) {
-                          return c.street == polygon.front().street &&
-                                 c.camber_share > kMarkedShare &&
-                                 std::abs(c.station_m - polygon.front().station_m) < 2.0;
-                        });
+    const bool marked =
+        low.lateral_m < kDashHalfWidthM && high.lateral_m > -kDashHalfWidthM &&
+        std::ranges::all_of(polygon, [&](const Corner& c) {
+          return c.street == polygon.front().street && c.camber_share > kMarkedShare &&
+                 std::abs(c.station_m - polygon.front().station_m) < 2.0 &&
+                 c.station_m > kUnmarkedEndM && c.station_m < lengths_m_[c.street] - kUnmarkedEndM;
+        });
     if (!marked) {
       fill(polygon, TownMaterial::asphalt, false);
       return;
@@ -185,8 +187,9 @@ class Sheet {
     const Halves right = cut_polygon(
         surface_, polygon, [](const Corner& c) { return nudged(c.lateral_m + kDashHalfWidthM); });
     fill(right.below, TownMaterial::asphalt, false);
-    const Halves left = cut_polygon(
-        surface_, right.above, [](const Corner& c) { return nudged(c.lateral_m - kDashHalfWidthM); });
+    const Halves left = cut_polygon(surface_, right.above, [](const Corner& c) {
+      return nudged(c.lateral_m - kDashHalfWidthM);
+    });
     fill(left.below, TownMaterial::lane_marking, false);
     fill(left.above, TownMaterial::asphalt, false);
   }
@@ -215,14 +218,13 @@ class Sheet {
   }
 
   std::uint32_t vertex(const Corner& corner, bool raised) {
-    const Vector3f position(static_cast<float>(corner.x), static_cast<float>(corner.y),
-                            static_cast<float>(raised ? corner.raised_height_m
-                                                      : corner.road_height_m));
-    const auto [found, is_new] =
-        vertices_.try_emplace({std::bit_cast<std::uint32_t>(position.x()),
-                               std::bit_cast<std::uint32_t>(position.y()),
-                               std::bit_cast<std::uint32_t>(position.z())},
-                              static_cast<std::uint32_t>(mesh_.vertices.size()));
+    const Vector3f position(
+        static_cast<float>(corner.x), static_cast<float>(corner.y),
+        static_cast<float>(raised ? corner.raised_height_m : corner.road_height_m));
+    const auto [found, is_new] = vertices_.try_emplace(
+        {std::bit_cast<std::uint32_t>(position.x()), std::bit_cast<std::uint32_t>(position.y()),
+         std::bit_cast<std::uint32_t>(position.z())},
+        static_cast<std::uint32_t>(mesh_.vertices.size()));
     if (is_new) mesh_.vertices.push_back(position);
     return found->second;
   }
@@ -244,10 +246,23 @@ class Sheet {
 
   const GroundSurface& surface_;
   const std::vector<Street>& streets_;
+  const std::vector<double>& lengths_m_;
   TriangleMesh mesh_;
   std::unordered_map<std::pair<double, double>, Corner, Hash> corners_;
   std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, Hash> vertices_;
 };
+
+std::vector<double> lengths_of(const std::vector<Street>& streets) {
+  std::vector<double> lengths_m;
+  for (const Street& street : streets) {
+    double length = 0.0;
+    for (std::size_t i = 1; i < street.centreline.size(); ++i) {
+      length += (street.centreline[i] - street.centreline[i - 1]).head<2>().norm();
+    }
+    lengths_m.push_back(length);
+  }
+  return lengths_m;
+}
 
 /// Low corners of the coarsest squares within reach of the streets.
 std::set<LatticePoint> roots_about(const std::vector<Street>& streets) {
@@ -278,6 +293,7 @@ std::set<LatticePoint> roots_about(const std::vector<Street>& streets) {
 }  // namespace
 
 TriangleMesh build_ground_mesh(const Layout& layout, const GroundSurface& surface) {
+  const std::vector<double> lengths_m = lengths_of(layout.streets);
   // Side that suits the place [m]; distances change by at most half a diagonal within a square.
   const auto is_fine_enough = [&](const QuadLattice::Square& square) {
     const double side = square.size * QuadLattice::kFinestM;
@@ -286,17 +302,21 @@ TriangleMesh build_ground_mesh(const Layout& layout, const GroundSurface& surfac
                                            square.low.y * QuadLattice::kFinestM + 0.5 * side);
     const double border = ground.carriageway_distance_m;
     if (border > half_diagonal) {
-      const double pavement = layout.streets[ground.street].pavement_width_m;
-      return side <= 1.0 + 0.25 * std::max(0.0, border - pavement - half_diagonal);
+      const double beyond = border - layout.streets[ground.street].pavement_width_m - half_diagonal;
+      return side <= (beyond > 0.0 ? 2.0 + 0.3 * beyond : 1.0);
     }
-    if (!layout.streets[ground.street].carries_route) return side <= 1.0;
     const bool at_kerb = border > -half_diagonal;
+    if (!layout.streets[ground.street].carries_route) {
+      const bool at_end =
+          std::min(ground.station_m, lengths_m[ground.street] - ground.station_m) < side;
+      return side <= (at_kerb && (at_end || ground.camber_share == 0.0) ? 0.5 : 1.0);
+    }
     const bool at_crown = ground.camber_share > 0.0 && ground.street_distance_m < half_diagonal;
     return side <= (at_kerb || at_crown ? 0.5 : 1.0);
   };
   const QuadLattice lattice(roots_about(layout.streets), is_fine_enough);
 
-  Sheet sheet(surface, layout.streets);
+  Sheet sheet(surface, layout.streets, lengths_m);
   const auto corner_at = [&](const LatticePoint& p) {
     return sheet.corner(p.x * QuadLattice::kFinestM, p.y * QuadLattice::kFinestM);
   };

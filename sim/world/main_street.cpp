@@ -49,8 +49,7 @@ class Pen {
     const int steps = static_cast<int>(std::ceil(length_m / MainStreet::kStepM));
     const double step = length_m / steps;
     const auto at = [&](double d) {
-      return curvature == 0.0 ? 0.0
-                              : curvature * smoothstep(std::min(d, length_m - d) / ramp_m);
+      return curvature == 0.0 ? 0.0 : curvature * smoothstep(std::min(d, length_m - d) / ramp_m);
     };
     for (int i = 0; i < steps; ++i) {
       const double half_turn = 0.5 * step * at((i + 0.5) * step);
@@ -71,8 +70,7 @@ class Pen {
     if (!points_.empty()) {
       const MainStreetPoint& last = points_.back();
       const double mean = 0.5 * (last.curvature_1_m + curvature);
-      point.lane_m =
-          last.lane_m + (station_ - last.station_m) * (1.0 + lane_offset_ * mean);
+      point.lane_m = last.lane_m + (station_ - last.station_m) * (1.0 + lane_offset_ * mean);
     }
     points_.push_back(point);
   }
@@ -135,8 +133,7 @@ void add_bend(RandomSequence& random, Pen& pen) {
 Junction add_junction(RandomSequence& random, double turn_share, double lane_offset_m, Pen& pen) {
   const double angle = std::copysign(random.uniform(80.0, 95.0) * kDegree, -pen.heading());
   const double lane_radius = random.uniform(10.5, 14.0);
-  const bool turns =
-      random.chance(turn_share) && std::abs(pen.heading() + angle) < kMaxHeadingRad;
+  const bool turns = random.chance(turn_share) && std::abs(pen.heading() + angle) < kMaxHeadingRad;
   const std::size_t entry = pen.last();
   if (!turns) return {entry, entry};
   pen.turn(angle, lane_radius - std::copysign(lane_offset_m, angle), kTurnRampM);

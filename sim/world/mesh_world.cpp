@@ -25,32 +25,42 @@ constexpr double kFarthest_m = 50'000.0;
   throw InputError("mesh world '" + file + "': " + problem);
 }
 
-/// Sums of one kind of element over a PLY file's header: what the file says it holds.
-std::size_t ply_element_count(const std::string& file, std::string_view element) {
+/// How many faces the header of a PLY file promises.
+std::size_t promised_ply_faces(const std::string& file) {
+  constexpr std::string_view kKey = "element face ";
   std::ifstream stream(file, std::ios::binary);
-  const std::string key = "element " + std::string(element) + " ";
+  std::size_t count = 0;
   for (std::string line; std::getline(stream, line) && !line.starts_with("end_header");) {
-    std::size_t count = 0;
-    if (line.starts_with(key)) {
-      std::from_chars(line.data() + key.size(), line.data() + line.size(), count);
-      return count;
-    }
+    if (!line.starts_with(kKey)) continue;
+    std::from_chars(line.data() + kKey.size(), line.data() + line.size(), count);
   }
-  return 0;
+  return count;
 }
 
-/// The importer reads a PLY file that breaks off as far as it goes; the header knows better.
+/// The importer takes a file that breaks off as far as it goes, with faces left empty or missing,
+/// and its later steps trust what it took: so this comes before them.
 void check_complete(const std::string& file, const aiScene& scene) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension != ".ply") return;
   std::size_t faces = 0;
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) faces += scene.mMeshes[i]->mNumFaces;
-  const std::size_t wanted = ply_element_count(file, "face");
-  if (wanted > 0 && faces < wanted) {
-    fail(file, "holds " + std::to_string(faces) + " faces, its header says " +
-                   std::to_string(wanted) + "; the file is truncated: copy or export it again");
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      if (face.mNumIndices == 0) continue;
+      if (std::any_of(face.mIndices, face.mIndices + face.mNumIndices,
+                      [&](unsigned index) { return index >= mesh.mNumVertices; })) {
+        fail(file,
+             "has a face with a vertex that the file does not hold; it may be truncated: "
+             "copy or export it again");
+      }
+      ++faces;
+    }
+  }
+  const bool is_ply = std::filesystem::path(file).extension() == ".ply";
+  const std::size_t promised = is_ply ? promised_ply_faces(file) : 0;
+  if (faces == 0 || faces < promised) {
+    fail(file, "holds " + std::to_string(faces) + " faces" +
+                   (promised > 0 ? ", its header promises " + std::to_string(promised) : "") +
+                   "; it is truncated or no mesh: copy or export it again");
   }
 }
 
@@ -73,16 +83,14 @@ MaterialTable read_materials(const MeshWorldConfig& config, const aiScene& scene
       material.color = {color.r, color.g, color.b};
     }
     const auto known = std::ranges::find(config.materials, material.name, &MeshMaterial::name);
-    const bool is_used = std::any_of(
-        scene.mMeshes, scene.mMeshes + scene.mNumMeshes,
-        [&](const aiMesh* mesh) { return mesh->mMaterialIndex == i; });
+    const bool is_used = std::any_of(scene.mMeshes, scene.mMeshes + scene.mNumMeshes,
+                                     [&](const aiMesh* mesh) { return mesh->mMaterialIndex == i; });
     if (known != config.materials.end()) {
       material.reflectivity_905nm = known->reflectivity_905nm;
     } else if (is_used) {
       unknown += (unknown.empty() ? "'" : ", '") + material.name + "'";
     }
-    table.is_ground.push_back(!has_ground ||
-                              (known != config.materials.end() && known->is_ground));
+    table.is_ground.push_back(!has_ground || (known != config.materials.end() && known->is_ground));
     table.materials.push_back(std::move(material));
   }
   if (config.strict && !unknown.empty()) {
@@ -112,8 +120,9 @@ class SceneReader {
     const Vector3d p = config_.scale * Vector3d(v.x, v.y, v.z);
     if (!p.allFinite()) fail(config_.file, "has a vertex that is not finite; export it again");
     if (p.cwiseAbs().maxCoeff() > kFarthest_m) {
-      fail(config_.file, "has a vertex further than 50 km from its origin; shift the mesh to its "
-                         "middle, or check 'scale'");
+      fail(config_.file,
+           "has a vertex further than 50 km from its origin; shift the mesh to its "
+           "middle, or check 'scale'");
     }
     return config_.up_axis == "y" ? Vector3d(p.x(), -p.z(), p.y()) : p;
   }
@@ -181,13 +190,19 @@ World load_mesh_world(const MeshWorldConfig& config, const GeodeticPoint& origin
     fail(file, "the file is empty; export it again");
   }
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(file, aiProcess_Triangulate);
-  if (scene == nullptr || scene->mRootNode == nullptr ||
-      (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0U) {
+  const aiScene* scene = importer.ReadFile(file, 0);
+  const auto check_read = [&] {
+    if (scene != nullptr && scene->mRootNode != nullptr &&
+        (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) == 0U) {
+      return;
+    }
     fail(file, "cannot be read (" + std::string(importer.GetErrorString()) +
                    "); give a whole OBJ, PLY, glTF or GLB file");
-  }
+  };
+  check_read();
   check_complete(file, *scene);
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  check_read();
   World world;
   world.origin = origin;
   const MaterialTable table = read_materials(config, *scene);

@@ -95,9 +95,9 @@ Schedule make_schedule(const RecordedTrack& track, const RecordedLayoutConfig& c
   }
   schedule.way_m.assign(count, 0.0);
   for (std::size_t i = 1; i < count; ++i) {
-    schedule.way_m[i] = schedule.way_m[i - 1] +
-                        0.5 * (schedule.speed_m_s[i] + schedule.speed_m_s[i - 1]) *
-                            (schedule.time_s[i] - schedule.time_s[i - 1]);
+    schedule.way_m[i] =
+        schedule.way_m[i - 1] + 0.5 * (schedule.speed_m_s[i] + schedule.speed_m_s[i - 1]) *
+                                    (schedule.time_s[i] - schedule.time_s[i - 1]);
   }
   return schedule;
 }
@@ -214,11 +214,11 @@ void check_turns(const std::vector<RoutePoint>& points, const RecordedTrack& tra
       points, {}, [](const RoutePoint& p) { return std::abs(p.curvature_1_m); });
   const double radius = 1.0 / std::abs(tightest->curvature_1_m);
   if (radius < config.turning_radius_m) {
-    throw InputError(track.source + ": at " + std::to_string(tightest->time_s) +
-                     " s the smoothed track turns with a radius of " + std::to_string(radius) +
-                     " m, tighter than turning_radius_m = " +
-                     std::to_string(config.turning_radius_m) +
-                     "; raise path_cutoff_m, or cut the track there");
+    throw InputError(
+        track.source + ": at " + std::to_string(tightest->time_s) +
+        " s the smoothed track turns with a radius of " + std::to_string(radius) +
+        " m, tighter than turning_radius_m = " + std::to_string(config.turning_radius_m) +
+        "; raise path_cutoff_m, or cut the track there");
   }
 }
 
@@ -230,9 +230,9 @@ Street make_street(const std::vector<RoutePoint>& points, const RecordedLayoutCo
                 .carries_route = true};
   for (std::size_t i = 0; i < points.size(); i += 2) {
     const double yaw = points[i].yaw_rad;
-    street.centreline.push_back(points[i].position + 0.5 * config.lane_width_m *
-                                                         Vector3d(-std::sin(yaw), std::cos(yaw),
-                                                                  0.0));
+    street.centreline.push_back(points[i].position +
+                                0.5 * config.lane_width_m *
+                                    Vector3d(-std::sin(yaw), std::cos(yaw), 0.0));
   }
   return street;
 }

@@ -148,8 +148,7 @@ void add_pitched_roof(TriangleMesh& mesh, const RoofPlan& plan, RandomSequence& 
   if (kind < 0.2) {
     // Gables to the street and the yard.
     base.axis = plan.footprint.across();
-    base.half_extent_m = {plan.footprint.half_extent_m.y() + 0.1,
-                          plan.footprint.half_extent_m.x()};
+    base.half_extent_m = {plan.footprint.half_extent_m.y() + 0.1, plan.footprint.half_extent_m.x()};
     add_ridged_solid(mesh, base, z0, {.z_m = plan.ridge_m}, plan.wall);
     add_chimneys(mesh, plan, z0 + 0.1, random);
     return;

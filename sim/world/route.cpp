@@ -12,7 +12,9 @@ namespace locsim::sim {
 
 namespace {
 
-double mix(double a, double b, double fraction) { return a + fraction * (b - a); }
+double mix(double a, double b, double fraction) {
+  return a + fraction * (b - a);
+}
 
 }  // namespace
 
@@ -35,7 +37,8 @@ Route::Route(std::vector<RoutePoint> points, std::vector<RouteStop> stops)
     if (!(stop.s_m >= points_.front().s_m && stop.s_m <= points_.back().s_m &&
           stop.dwell_s >= 0.0)) {
       throw InputError("route: a stop of " + std::to_string(stop.dwell_s) + " s at " +
-                       std::to_string(stop.s_m) + " m; stops lie on the route and last 0 s or more");
+                       std::to_string(stop.s_m) +
+                       " m; stops lie on the route and last 0 s or more");
     }
     std::size_t i = segment(stop.s_m);
     if (stop.s_m - points_[i].s_m > points_[i + 1].s_m - stop.s_m) ++i;
@@ -51,7 +54,9 @@ double Route::length_m() const {
   return points_.empty() ? 0.0 : points_.back().s_m - points_.front().s_m;
 }
 
-double Route::duration_s() const { return points_.empty() ? 0.0 : departure_s_.back(); }
+double Route::duration_s() const {
+  return points_.empty() ? 0.0 : departure_s_.back();
+}
 
 std::size_t Route::segment(double s_m) const {
   const auto after = std::upper_bound(points_.begin() + 1, points_.end() - 1, s_m,

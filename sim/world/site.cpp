@@ -116,8 +116,8 @@ LaneCorridor::LaneCorridor(const Route& route) : points_(route.points()) {
 double LaneCorridor::clearance_m(const Vector2d& p) const {
   double least_m = kReach_m;
   for (const std::uint32_t i : grid_.near(p, p)) {
-    const double distance_m = segment_distance(points_[i].position.head<2>(),
-                                               points_[i + 1].position.head<2>(), p);
+    const double distance_m =
+        segment_distance(points_[i].position.head<2>(), points_[i + 1].position.head<2>(), p);
     least_m = std::min(least_m, distance_m - points_[i].half_width_m);
   }
   return least_m;
@@ -155,7 +155,8 @@ Vector2d StreetSide::direction(double s_m) const {
 
 Vector2d StreetSide::outward(double s_m) const {
   const Vector2d course = direction(s_m);
-  return side_ == Side::left ? Vector2d(-course.y(), course.x()) : Vector2d(course.y(), -course.x());
+  return side_ == Side::left ? Vector2d(-course.y(), course.x())
+                             : Vector2d(course.y(), -course.x());
 }
 
 Vector2d StreetSide::traffic_direction(double s_m) const {

@@ -125,9 +125,7 @@ struct TownSite {
   [[nodiscard]] double height_m(const Vector2d& p) const {
     return ground.at(p.x(), p.y()).height_m;
   }
-  [[nodiscard]] Vector3d on_ground(const Vector2d& p) const {
-    return {p.x(), p.y(), height_m(p)};
-  }
+  [[nodiscard]] Vector3d on_ground(const Vector2d& p) const { return {p.x(), p.y(), height_m(p)}; }
   /// Whether a thing standing off the carriageways fits: clear of every carriageway by
   /// `margin_m`, of the route's lane and of what stands already.
   [[nodiscard]] bool fits_beside_road(const Footprint& footprint, double margin_m) const;

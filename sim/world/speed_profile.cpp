@@ -121,8 +121,8 @@ void integrate_times(std::span<RoutePoint> points, std::span<const RouteStop> st
   for (std::size_t i = 1; i < points.size(); ++i) {
     const double speeds = points[i - 1].speed_m_s + points[i].speed_m_s;
     assert(speeds > 0.0);
-    points[i].time_s = points[i - 1].time_s + dwell[i - 1] +
-                       2.0 * (points[i].s_m - points[i - 1].s_m) / speeds;
+    points[i].time_s =
+        points[i - 1].time_s + dwell[i - 1] + 2.0 * (points[i].s_m - points[i - 1].s_m) / speeds;
   }
 }
 

@@ -71,8 +71,8 @@ StreetIndex::StreetIndex(std::span<const Street> streets) {
 double StreetIndex::distance(const Piece& piece, double x_m, double y_m) {
   const double px = x_m - piece.start.x();
   const double py = y_m - piece.start.y();
-  const double along = std::clamp(px * piece.direction.x() + py * piece.direction.y(), 0.0,
-                                  piece.length_m);
+  const double along =
+      std::clamp(px * piece.direction.x() + py * piece.direction.y(), 0.0, piece.length_m);
   return std::hypot(px - along * piece.direction.x(), py - along * piece.direction.y());
 }
 
@@ -114,8 +114,8 @@ StreetPlace StreetIndex::locate(double x_m, double y_m,
     const Piece& piece = pieces_[k];
     const double px = x_m - piece.start.x();
     const double py = y_m - piece.start.y();
-    const double along = std::clamp(px * piece.direction.x() + py * piece.direction.y(), 0.0,
-                                    piece.length_m);
+    const double along =
+        std::clamp(px * piece.direction.x() + py * piece.direction.y(), 0.0, piece.length_m);
     const double dx = px - along * piece.direction.x();
     const double dy = py - along * piece.direction.y();
     const double d = std::sqrt(dx * dx + dy * dy);
@@ -127,8 +127,7 @@ StreetPlace StreetIndex::locate(double x_m, double y_m,
     if (d < place.distance_m) {
       place.distance_m = d;
       place.street = piece.street;
-      place.lateral_m =
-          std::copysign(d, piece.direction.x() * py - piece.direction.y() * px);
+      place.lateral_m = std::copysign(d, piece.direction.x() * py - piece.direction.y() * px);
       place.station_m = piece.station_m + along;
       place.direction = piece.direction;
       place.camber_share = share;

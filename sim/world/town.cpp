@@ -51,8 +51,8 @@ World build_town(const TownConfig& config, const Layout& layout, std::uint64_t s
   park_cars(site, layout,
             {.share = config.parked_share, .lane_clearance_m = config.parked_clearance_m}, seed);
   for (const CarKind kind : {CarKind::sedan, CarKind::van, CarKind::lorry}) {
-    const auto paint = kind == CarKind::sedan ? TownMaterial::car_paint_dark
-                                              : TownMaterial::car_paint_light;
+    const auto paint =
+        kind == CarKind::sedan ? TownMaterial::car_paint_dark : TownMaterial::car_paint_light;
     const CarShape shape = usual_car(kind, id(paint));
     world.actor_shapes.push_back(car_mesh(shape));
     world.actor_half_extents_m.push_back(shape.half_extent_m());

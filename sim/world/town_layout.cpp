@@ -82,8 +82,8 @@ class SideStreets {
     for (double d = 0.0; d <= length; d += kVertexM) {
       if (!is_free(position, d, from)) break;
       const double beyond = std::max(0.0, d - kLevelM);
-      const double eased = beyond < kLevelM ? 0.5 * beyond * beyond / kLevelM
-                                            : beyond - 0.5 * kLevelM;
+      const double eased =
+          beyond < kLevelM ? 0.5 * beyond * beyond / kLevelM : beyond - 0.5 * kLevelM;
       position.z() = d == 0.0 ? from.position.z()
                               : main_ground_.at(position.x(), position.y()) + slope * eased;
       street.centreline.push_back(position);

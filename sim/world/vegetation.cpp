@@ -84,9 +84,9 @@ void add_tree(TriangleMesh& mesh, const TreePlan& plan, RandomSequence& random) 
     const double radius_m =
         plan.crown_radius_m * 0.7 * std::sqrt(std::max(0.08, 1.0 - std::pow(1.7 * up - 0.7, 2)));
     const double angle = 2.4 * static_cast<double>(i) + random.uniform(-0.6, 0.6);
-    const Vector3d middle = plan.foot + Vector3d(radius_m * std::cos(angle),
-                                                 radius_m * std::sin(angle),
-                                                 plan.clear_m + up * crown_m * 0.92);
+    const Vector3d middle =
+        plan.foot + Vector3d(radius_m * std::cos(angle), radius_m * std::sin(angle),
+                             plan.clear_m + up * crown_m * 0.92);
     middles.push_back(middle);
     add_limb(mesh, fork, middle, 0.4 * trunk_m, 4);
   }
@@ -101,8 +101,7 @@ void add_tree(TriangleMesh& mesh, const TreePlan& plan, RandomSequence& random) 
 void add_hedge(TriangleMesh& mesh, const Footprint& footprint, double foot_m, double height_m,
                RandomSequence& random) {
   const Vector2d half = footprint.half_extent_m;
-  const Pose middle =
-      upright({footprint.center.x(), footprint.center.y(), foot_m}, footprint.axis);
+  const Pose middle = upright({footprint.center.x(), footprint.center.y(), foot_m}, footprint.axis);
   const double up_m = 0.5 * height_m;
   add_box(mesh, middle * Pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, up_m - 0.2}},
           {half.x() - 0.05, half.y() - 0.08, up_m + 0.1}, kFoliage);
@@ -122,8 +121,8 @@ void add_trees(TownSite& site, const Layout& layout, double spacing_m, std::uint
   for (std::size_t i = 0; i < layout.streets.size(); ++i) {
     for (const auto side_name : {StreetSide::Side::left, StreetSide::Side::right}) {
       const StreetSide side(layout.streets[i], i, side_name);
-      RandomSequence random(seed, "town/trees/" + std::to_string(2 * i + (side_name ==
-                                                                StreetSide::Side::right)));
+      RandomSequence random(
+          seed, "town/trees/" + std::to_string(2 * i + (side_name == StreetSide::Side::right)));
       // Along the kerb, in stretches with and without an avenue.
       for (double s = random.uniform(2.0, spacing_m); s < side.length_m() - 2.0;
            s += spacing_m * random.uniform(0.6, 1.4)) {
@@ -143,7 +142,7 @@ void add_trees(TownSite& site, const Layout& layout, double spacing_m, std::uint
       }
       // Behind the pavement, wherever there is room.
       for (double s = random.uniform(0.0, spacing_m); s < side.length_m();
-           s += spacing_m * random.uniform(0.3, 0.9)) {
+           s += spacing_m * random.uniform(0.5, 1.3)) {
         const double behind_m = 1.5 + 22.0 * std::pow(random.uniform(), 1.5);
         const Vector2d place = side.at(s, side.frontage_m() + behind_m);
         const double crown_m = random.uniform(1.3, 2.8);
@@ -168,8 +167,8 @@ void add_garden_fronts(TownSite& site, const Layout& layout, std::uint64_t seed)
   for (std::size_t i = 0; i < layout.streets.size(); ++i) {
     for (const auto side_name : {StreetSide::Side::left, StreetSide::Side::right}) {
       const StreetSide side(layout.streets[i], i, side_name);
-      RandomSequence random(seed, "town/fronts/" + std::to_string(2 * i + (side_name ==
-                                                                 StreetSide::Side::right)));
+      RandomSequence random(
+          seed, "town/fronts/" + std::to_string(2 * i + (side_name == StreetSide::Side::right)));
       double plot_end_m = 0.0;
       Front kind = Front::open;
       double height_m = 1.0;
@@ -192,8 +191,8 @@ void add_garden_fronts(TownSite& site, const Layout& layout, std::uint64_t seed)
         const Vector2d to = side.at(s + panel_m, offset_m);
         s += panel_m;
         if (kind == Front::open) continue;
-        Footprint panel{0.5 * (from + to), (to - from).normalized(),
-                        {0.5 * (to - from).norm(), thick_m}};
+        Footprint panel{
+            0.5 * (from + to), (to - from).normalized(), {0.5 * (to - from).norm(), thick_m}};
         // A garden is to lie behind it, not a wall.
         Footprint garden = panel;
         garden.half_extent_m.y() = 0.6;
@@ -204,8 +203,9 @@ void add_garden_fronts(TownSite& site, const Layout& layout, std::uint64_t seed)
         if (kind == Front::hedge) {
           add_hedge(mesh, panel, low_m, height_m, random);
         } else if (kind == Front::wall) {
-          add_box(mesh, upright({panel.center.x(), panel.center.y(), low_m + 0.5 * height_m - 0.2},
-                                panel.axis),
+          add_box(mesh,
+                  upright({panel.center.x(), panel.center.y(), low_m + 0.5 * height_m - 0.2},
+                          panel.axis),
                   {panel.half_extent_m.x(), 0.12, 0.5 * height_m + 0.2}, id(TownMaterial::brick));
         } else {
           add_fence(mesh, panel, low_m, height_m, random);

@@ -105,7 +105,8 @@ TEST(Mesh, SphereIsClosedOutwardAndNearItsVolume) {
     add_sphere(mesh, center, 2.0, subdivisions, 0);
     EXPECT_EQ(mesh.triangles.size(), 20U << (2 * subdivisions));
     EXPECT_TRUE(is_closed(mesh));
-    for (const Vector3f& v : mesh.vertices) EXPECT_NEAR((v.cast<double>() - center).norm(), 2.0, 1e-6);
+    for (const Vector3f& v : mesh.vertices)
+      EXPECT_NEAR((v.cast<double>() - center).norm(), 2.0, 1e-6);
     EXPECT_GT(volume(mesh), before);
     before = volume(mesh);
   }

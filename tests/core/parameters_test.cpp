@@ -25,7 +25,7 @@ struct Config {
   int rings = 32;
   bool on = true;
   std::string kind = "roof";
-  Mount mount;
+  Mount mount{};
   std::vector<Mount> more{2};
   void describe(Parameters& p) {
     static constexpr std::array<std::string_view, 2> kKinds = {"roof", "bumper"};
@@ -48,7 +48,9 @@ std::string problem_of(const Config& config) {
   return "";
 }
 
-TEST(Parameters, DefaultsPass) { EXPECT_EQ(problem_of({}), ""); }
+TEST(Parameters, DefaultsPass) {
+  EXPECT_EQ(problem_of({}), "");
+}
 
 TEST(Parameters, WhatIsWrongIsNamedWithPlaceValueAndLimits) {
   EXPECT_EQ(problem_of({.range_m = 0.0}), "lidar: range_m is 0, needs a number above 0");
@@ -68,8 +70,7 @@ TEST(Parameters, GroupsAndListsAreInThePlace) {
       << problem_of(config);
   config = {};
   config.more[1].position_m.y() = -11.0;
-  EXPECT_EQ(problem_of(config),
-            "lidar.more[1]: position_m is -11, needs a number from -10 to 10");
+  EXPECT_EQ(problem_of(config), "lidar.more[1]: position_m is -11, needs a number from -10 to 10");
 }
 
 // A reader that answers one key with one number.

@@ -18,14 +18,14 @@ constexpr double kRounding = 1e-14;
 
 // Angles at and around all places where a formula changes its mind.
 std::vector<double> delicate_angles() {
-  std::vector<double> angles = {0.0,  1e-300, 1e-12, 1e-8,      9.9e-5,     1.01e-4,
+  std::vector<double> angles = {0.0,  1e-150, 1e-12, 1e-8,      9.9e-5,     1.01e-4,
                                 9e-3, 1.1e-2, 0.5,   kPi / 2.0, kPi - 1e-4, kPi - 1e-9};
   return angles;
 }
 
 std::vector<Vector3d> axes() {
-  return {Vector3d::UnitX(), -Vector3d::UnitY(), Vector3d::UnitZ(),
-          Vector3d(1, -2, 3).normalized(), Vector3d(-1e-9, 1, 1e-9).normalized()};
+  return {Vector3d::UnitX(), -Vector3d::UnitY(), Vector3d::UnitZ(), Vector3d(1, -2, 3).normalized(),
+          Vector3d(-1e-9, 1, 1e-9).normalized()};
 }
 
 // exp of a matrix by its series, in long double and with squaring: an independent reference.
@@ -60,7 +60,7 @@ TEST(So3, LogInvertsExpUpToPi) {
       // Relative to the angle near zero too: nothing may be flushed or lost. Near π the axis is
       // read from a unit vector, so the error stays one of rounding.
       EXPECT_LE((so3::log(so3::exp(v)) - v).norm(), 1e-15 + 4e-15 * angle) << angle;
-      if (angle > 0.0) EXPECT_GT(so3::log(so3::exp(v)).norm(), 0.999 * angle);
+      EXPECT_GE(so3::log(so3::exp(v)).norm(), 0.999 * angle);
     }
   }
 }

@@ -1,8 +1,8 @@
 #include "core/random.h"
 
+#include <Random123/philox.h>
 #include <gtest/gtest.h>
 
-#include <Random123/philox.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,8 +15,8 @@ namespace {
 using Bits = std::array<std::uint32_t, 4>;
 
 Bits philox(const Bits& counter, const std::array<std::uint32_t, 2>& key) {
-  const auto out = r123::Philox4x32{}({{counter[0], counter[1], counter[2], counter[3]}},
-                                      {{key[0], key[1]}});
+  const auto out =
+      r123::Philox4x32{}({{counter[0], counter[1], counter[2], counter[3]}}, {{key[0], key[1]}});
   return {out[0], out[1], out[2], out[3]};
 }
 
@@ -35,8 +35,7 @@ double chi_square_limit(std::size_t bins) {
 
 TEST(Random, PhiloxGivesThePublishedAnswers) {
   // Random123, tests/kat_vectors, philox4x32 with 10 rounds.
-  EXPECT_EQ(philox({0, 0, 0, 0}, {0, 0}),
-            (Bits{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  EXPECT_EQ(philox({0, 0, 0, 0}, {0, 0}), (Bits{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
   EXPECT_EQ(philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
             (Bits{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
   EXPECT_EQ(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),

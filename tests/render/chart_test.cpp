@@ -46,6 +46,7 @@ TEST(Chart, LinePassesThroughItsValuesPixels) {
 
 TEST(Chart, ValueThatIsNoNumberInterruptsTheLine) {
   ChartPanel panel = ramp();
+  panel.y = Scale{0.0, 10.0, false};
   panel.series[0].time_s = {0.0, 3.0, 5.0, 7.0, 10.0};
   panel.series[0].values = {4.0, 4.0, std::numeric_limits<double>::quiet_NaN(), 4.0, 8.0};
   const Scale time{0.0, 10.0, false};

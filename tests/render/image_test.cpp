@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "core/error.h"
 
@@ -45,8 +48,8 @@ Image read_png(const std::filesystem::path& file) {
   Image image(static_cast<int>(header.width), static_cast<int>(header.height));
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
-      image.at(x, y) = pixels[static_cast<std::size_t>(y) * header.width +
-                              static_cast<std::size_t>(x)];
+      image.at(x, y) =
+          pixels[static_cast<std::size_t>(y) * header.width + static_cast<std::size_t>(x)];
     }
   }
   return image;

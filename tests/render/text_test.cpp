@@ -64,12 +64,10 @@ TEST(Text, CapitalStandsOnTheBaselineAndHasItsHeight) {
 TEST(Text, AlignmentPutsTheTextWhereItIsAsked) {
   // H has side bearings of 201 units on both sides: 9.8 px at 100 px.
   const double bearing = 100.0 * 201.0 / 2048.0;
-  const Rect right =
-      drawn("H", {300, 200}, {.size_px = 100.0, .align_x = AlignX::right});
+  const Rect right = drawn("H", {300, 200}, {.size_px = 100.0, .align_x = AlignX::right});
   EXPECT_NEAR(right.right(), 300.0 - bearing, 1.0);
   const Rect middle = drawn(
-      "H", {200, 200},
-      {.size_px = 100.0, .align_x = AlignX::center, .align_y = AlignY::middle});
+      "H", {200, 200}, {.size_px = 100.0, .align_x = AlignX::center, .align_y = AlignY::middle});
   EXPECT_NEAR(middle.center().x(), 200.0, 1.0);
   EXPECT_NEAR(middle.center().y(), 200.0, 1.0);
 }
@@ -96,8 +94,8 @@ TEST(Text, UpwardsTextIsTheSameTextTurned) {
 TEST(Text, InkLiesWithinTheBounds) {
   const Typography typography;
   for (const bool upwards : {false, true}) {
-    const TextStyle style{.size_px = 33.0, .align_x = AlignX::center, .align_y = AlignY::top,
-                          .upwards = upwards};
+    const TextStyle style{
+        .size_px = 33.0, .align_x = AlignX::center, .align_y = AlignY::top, .upwards = upwards};
     const Rect bounds = typography.bounds("Ägypten", {150, 150}, style);
     EXPECT_TRUE(bounds.grown(1.0).contains(drawn("Ägypten", {150, 150}, style)));
   }

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
-#include "render/trajectory_layout.h"
 #include "render/track_style.h"
+#include "render/trajectory_layout.h"
 
 namespace locsim::render {
 namespace {
@@ -25,8 +26,8 @@ class TrajectoryTest : public testing::Test {
       const double s = 2.0 * i;
       const Vector3d p(s, 150.0 * std::sin(s / 300.0), 0.0);
       picture_.truth.push_back(p);
-      picture_.estimate.push_back({p + Vector3d(0.0, 30.0, 0.0), i * 0.2, 0.5 * i / 600.0, 0.1,
-                                   TrackState::tracking});
+      picture_.estimate.push_back(
+          {p + Vector3d(0.0, 30.0, 0.0), i * 0.2, 0.5 * i / 600.0, 0.1, TrackState::tracking});
     }
     picture_.duration_s = 120.0;
   }
@@ -78,7 +79,8 @@ TEST_F(TrajectoryTest, TruthIsDarkAndOverTheEstimate) {
   const Vector2d p = where.map.pixel(picture_.truth[300]);
   // A line 1.7 px wide: one of the three pixels across it is wholly dark or nearly.
   int darkest = 255;
-  for (int dy = -1; dy <= 1; ++dy) darkest = std::min<int>(darkest, at(image, p + Vector2d(0, dy)).g);
+  for (int dy = -1; dy <= 1; ++dy)
+    darkest = std::min<int>(darkest, at(image, p + Vector2d(0, dy)).g);
   EXPECT_LT(darkest, 90);
 }
 
@@ -145,6 +147,27 @@ TEST_F(TrajectoryTest, KeyCoversNoTrack) {
   }
 }
 
+TEST_F(TrajectoryTest, RouteThroughAllFourCornersMakesRoomForTheKey) {
+  TrajectoryPicture round;
+  // As wide for its height as the highest map panel, so that every corner is driven through.
+  const double width_m = 1400.0;
+  const double height_m = 540.0;
+  for (int i = 0; i <= 2000; ++i) {
+    const double s = 2.0 * (width_m + height_m) * i / 2000.0;
+    const double up = std::clamp(s - width_m, 0.0, height_m);
+    const double down = std::clamp(s - 2.0 * width_m - height_m, 0.0, height_m);
+    const double forth = std::clamp(s, 0.0, width_m);
+    const double back = std::clamp(s - width_m - height_m, 0.0, width_m);
+    round.truth.emplace_back(forth - back, up - down, 0.0);
+  }
+  const TrajectoryLayout where = lay_out_trajectory(round, typography_);
+  for (const Vector3d& p : round.truth) {
+    EXPECT_FALSE(where.map_key.contains(where.map.pixel(p)));
+    EXPECT_TRUE(where.map.panel.contains(where.map.pixel(p)));
+  }
+  EXPECT_TRUE(where.map.panel.contains(where.map_key));
+}
+
 TEST_F(TrajectoryTest, ErrorIsDrawnAtItsPixelsInTheChart) {
   const Image image = draw_trajectory(picture_);
   const TrajectoryLayout where = layout();
@@ -153,7 +176,8 @@ TEST_F(TrajectoryTest, ErrorIsDrawnAtItsPixelsInTheChart) {
   // Error 0.25 m at 60 s, 0.1 m of claimed 3 σ = 0.3 m: a dark line over the band, white above it.
   const Vector2d p = chart.pixel(60.0, 0.25);
   int darkest = 255;
-  for (int dy = -2; dy <= 2; ++dy) darkest = std::min<int>(darkest, at(image, p + Vector2d(0, dy)).r);
+  for (int dy = -2; dy <= 2; ++dy)
+    darkest = std::min<int>(darkest, at(image, p + Vector2d(0, dy)).r);
   EXPECT_LT(darkest, 100);
   const Color band = over(palette::paper, palette::blue_pale);
   EXPECT_EQ(at(image, chart.pixel(61.5, 0.15)), band);
@@ -184,7 +208,8 @@ TEST_F(TrajectoryTest, EmptyAndSinglePointInputsMakePictures) {
   nothing.width_px = 800;
   nothing.height_px = 600;
   const Image empty = draw_trajectory(nothing);
-  EXPECT_GT(count(empty, palette::crimson, lay_out_trajectory(nothing, typography_).map.panel), 300);
+  EXPECT_GT(count(empty, palette::crimson, lay_out_trajectory(nothing, typography_).map.panel),
+            300);
   TrajectoryPicture single = nothing;
   single.estimate.push_back({{5.0, 6.0, 7.0}, 0.0, 0.3, 0.1, TrackState::tracking});
   EXPECT_FALSE(draw_trajectory(single) == empty);

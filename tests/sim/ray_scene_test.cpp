@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -33,9 +34,8 @@ void meet_all(const TriangleMesh& mesh, const Vector3d& origin, const Vector3d& 
     const double v = direction.dot(q) / det;
     const double range_m = ac.dot(q) / det;
     if (u < 0.0 || v < 0.0 || u + v > 1.0 || range_m <= 0.0 || range_m >= nearest.range_m) continue;
-    nearest = {.range_m = range_m,
-               .normal = ab.cross(ac).normalized(),
-               .material = mesh.materials[i]};
+    nearest = {
+        .range_m = range_m, .normal = ab.cross(ac).normalized(), .material = mesh.materials[i]};
     if (nearest.normal.dot(direction) > 0.0) nearest.normal = -nearest.normal;
   }
 }
@@ -139,8 +139,7 @@ TEST(RayScene, ActorsNearHoldsEveryActorThatComesNear) {
     for (std::uint32_t i = 0; i < soup.actors.size(); ++i) {
       double distance_m = 1e9;
       for (Stamp t = from; t <= to; t += Duration{1'000'000}) {
-        distance_m =
-            std::min(distance_m, (soup.actors[i].pose_at(t).translation - center).norm());
+        distance_m = std::min(distance_m, (soup.actors[i].pose_at(t).translation - center).norm());
       }
       if (distance_m > reach_m) continue;
       ++near;

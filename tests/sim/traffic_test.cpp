@@ -23,15 +23,17 @@ World world_with_cars() {
 /// A hilly route with bends to both sides and a stop; its heights lie on a slope along it.
 Route hilly_route() {
   const double quarter_m = 12.0 * std::numbers::pi / 2.0;
-  const Route flat = route_of({{300, 0}, {quarter_m, 1.0 / 12}, {400, 0}, {quarter_m, -1.0 / 12},
-                               {500, 0}},
-                              13.0, {{350.0, 5.0}});
+  const Route flat =
+      route_of({{300, 0}, {quarter_m, 1.0 / 12}, {400, 0}, {quarter_m, -1.0 / 12}, {500, 0}}, 13.0,
+               {{350.0, 5.0}});
   std::vector<RoutePoint> points = flat.points();
   for (RoutePoint& p : points) p.position.z() = 8.0 * std::sin(p.s_m / 90.0);
   return {points, flat.stops()};
 }
 
-bool on_road(const Pose& pose) { return pose.translation.z() > -20.0; }
+bool on_road(const Pose& pose) {
+  return pose.translation.z() > -20.0;
+}
 
 // Corners of a car's rectangle that lie inside another's: a brute-force overlap, on a grid fine
 // enough (0.2 m) that no overlap of two cars' lengths hides.
@@ -51,8 +53,8 @@ bool overlap(const Pose& a, const Vector3d& half_a, const Pose& b, const Vector3
 TEST(Traffic, ActorsNeverOverlap) {
   const World world = world_with_cars();
   const Route route = hilly_route();
-  const auto actors = make_traffic({.oncoming_per_km = 20.0, .leading = 2}, route, world, 3,
-                                   kFrom, kTo);
+  const auto actors =
+      make_traffic({.oncoming_per_km = 20.0, .leading = 2}, route, world, 3, kFrom, kTo);
   ASSERT_GT(actors.size(), 20U);
   int near = 0;
   for (Stamp t = kFrom; t < kTo; t += Duration{250'000'000}) {
@@ -84,8 +86,8 @@ TEST(Traffic, KeepsItsLaneHeightAndCourse) {
       if (!on_road(pose)) continue;
       const RouteProjection at = route.project(pose.translation);
       const Pose lane = route.pose(at.s_m);
-      const double facing = (pose.rotation * Vector3d::UnitX()).dot(lane.rotation *
-                                                                    Vector3d::UnitX());
+      const double facing =
+          (pose.rotation * Vector3d::UnitX()).dot(lane.rotation * Vector3d::UnitX());
       // Chords of 0.25 m on 12 m radius miss the arc by 0.7 mm and turn by 0.02 rad; the lane
       // 3.5 m off carries that turn to 2 cm/m of slope: 8/90 slope × 0.07 m.
       if (facing < 0.0) {
@@ -106,8 +108,8 @@ TEST(Traffic, KeepsItsLaneHeightAndCourse) {
 
 TEST(Traffic, HasTheDensityAskedFor) {
   const Route route = route_of({{3000, 0}}, 12.0);
-  const auto actors = make_traffic({.oncoming_per_km = 5.0, .leading = 0}, route,
-                                   world_with_cars(), 11, kFrom, kTo);
+  const auto actors = make_traffic({.oncoming_per_km = 5.0, .leading = 0}, route, world_with_cars(),
+                                   11, kFrom, kTo);
   double sum = 0.0;
   int samples = 0;
   // Away from both ends, where appearing in sight of the car is forbidden.
@@ -168,8 +170,8 @@ TEST(Traffic, StaysOutOfTheLaneWhereARouteRepeatsItself) {
 
 TEST(Traffic, AppearsAndVanishesOutOfSight) {
   const Route route = route_of({{600, 0}}, 12.0);
-  const auto actors =
-      make_traffic({.oncoming_per_km = 10.0, .leading = 0}, route, world_with_cars(), 2, kFrom, kTo);
+  const auto actors = make_traffic({.oncoming_per_km = 10.0, .leading = 0}, route,
+                                   world_with_cars(), 2, kFrom, kTo);
   int changes = 0;
   for (const Actor& actor : actors) {
     for (std::size_t i = 1; i < actor.poses.size(); ++i) {
@@ -205,12 +207,13 @@ TEST(Traffic, SameSeedGivesTheSameBytes) {
 
 TEST(Traffic, BadInputIsNamed) {
   const Route route = route_of({{100, 0}}, 10.0);
-  EXPECT_THROW((void)make_traffic({.oncoming_per_km = -1.0}, route, world_with_cars(), 1, kFrom, kTo),
-               InputError);
+  EXPECT_THROW(
+      (void)make_traffic({.oncoming_per_km = -1.0}, route, world_with_cars(), 1, kFrom, kTo),
+      InputError);
   EXPECT_THROW((void)make_traffic({}, route, World{}, 1, kFrom, kTo), InputError);
   EXPECT_THROW((void)make_traffic({}, route, world_with_cars(), 1, kTo, kFrom), InputError);
-  EXPECT_TRUE(make_traffic({.oncoming_per_km = 0.0, .leading = 0}, route, World{}, 1, kFrom, kTo)
-                  .empty());
+  EXPECT_TRUE(
+      make_traffic({.oncoming_per_km = 0.0, .leading = 0}, route, World{}, 1, kFrom, kTo).empty());
 }
 
 }  // namespace

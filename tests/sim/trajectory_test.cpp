@@ -68,9 +68,9 @@ TEST(Trajectory, VelocityIsContinuousAndTheDerivativeOfPosition) {
     EXPECT_LT((after - before).norm(), 1e-7);  // 1 ns of less than 10 m/s², and rounding
     const Duration h{100'000};
     const Stamp time = knot + Duration{37'000'000};
-    const Vector3d slope = (trajectory.pose_at(time + h).translation -
-                            trajectory.pose_at(time - h).translation) /
-                           (2.0 * to_seconds(h));
+    const Vector3d slope =
+        (trajectory.pose_at(time + h).translation - trajectory.pose_at(time - h).translation) /
+        (2.0 * to_seconds(h));
     // h²/6 of the jerk (below 10 m/s³) plus 1e-15·10 m / 2e-4 s of rounding.
     EXPECT_LT((trajectory.at(time).velocity_m_s - slope).norm(), 1e-7);
     EXPECT_GT(slope.norm(), 0.1);
@@ -117,13 +117,13 @@ TEST(Trajectory, LaterPosesChangeNothingBeforeTheEnd) {
 }
 
 TEST(Actor, MovesStraightBetweenItsPosesAndStandsOutsideThem) {
-  const Actor actor{.shape = 0,
-                    .start = stamp_from_seconds(2.0),
-                    .step = kStep,
-                    .poses = {{.translation = {0.0, 0.0, 0.0}},
-                              {.rotation = rotation_from_rpy(0.0, 0.0, 0.4),
-                               .translation = {1.0, 2.0, 0.0}},
-                              {.translation = {5.0, 2.0, 0.0}}}};
+  const Actor actor{
+      .shape = 0,
+      .start = stamp_from_seconds(2.0),
+      .step = kStep,
+      .poses = {{.translation = {0.0, 0.0, 0.0}},
+                {.rotation = rotation_from_rpy(0.0, 0.0, 0.4), .translation = {1.0, 2.0, 0.0}},
+                {.translation = {5.0, 2.0, 0.0}}}};
   EXPECT_EQ(actor.pose_at(Stamp{}).translation, Vector3d::Zero());
   EXPECT_EQ(actor.pose_at(stamp_from_seconds(9.0)).translation, Vector3d(5.0, 2.0, 0.0));
   const Pose quarter = actor.pose_at(stamp_from_seconds(2.025));

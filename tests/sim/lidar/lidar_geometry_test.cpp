@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/sim/lidar/rig.h"
 
 // Tolerances. Directions are products of floats: 2e-7 rad off at worst. At range R under incidence
@@ -17,8 +19,9 @@ TEST(Lidar, RangesInsideSphereEqualRadius) {
   constexpr double kRadius_m = 3.0;
   add_sphere(world.structures, Vector3d(40.0, -20.0, 3.0), kRadius_m, 7, 0);
   const RayScene scene(world, {});
-  const Trajectory trajectory =
-      make_trajectory([](double) { return Pose{.translation = {40.0, -20.0, 2.0}}; });
+  const Trajectory trajectory = make_trajectory([](double) {
+    return Pose{.translation = {40.0, -20.0, 2.0}};
+  });
   const LidarSpec spec = noiseless(hdl32e_spec());
   const Pose mount{.translation = {0.3, -0.4, 1.2}};
   const LidarScan scan = one_scan(Lidar(spec, mount, 0, 1), scene, trajectory);
@@ -86,8 +89,7 @@ TEST(Lidar, EveryPointOfAWallPassedIsWhereItsOwnFiringTimePutsIt) {
   for (const double yaw_rate_rad_s : {0.0, 0.8}) {
     const auto motion = [&](double t_s) { return DriveBy::motion(t_s, yaw_rate_rad_s); };
     const LidarSpec spec = noiseless(hdl32e_spec());
-    const LidarScan scan =
-        one_scan(Lidar(spec, drive.mount, 0, 1), scene, make_trajectory(motion));
+    const LidarScan scan = one_scan(Lidar(spec, drive.mount, 0, 1), scene, make_trajectory(motion));
     const Comparison result =
         compare(spec, scan, [&](const NominalRay& ray) -> std::optional<double> {
           const Pose T_map_lidar = motion(to_seconds(ray.since_start)) * drive.mount;
@@ -167,8 +169,7 @@ TEST(Lidar, EveryPointOfAMovingTargetIsWhereItsOwnFiringTimePutsIt) {
     for (std::size_t i = 0; i < spec.beams.size(); ++i) {
       spec.beams[i].azimuth_offset_rad = (i % 4 < 2 ? -1.0 : 1.0) * 0.07;
     }
-    const LidarScan scan =
-        one_scan(Lidar(spec, mount, 0, 1), scene, make_trajectory(drive));
+    const LidarScan scan = one_scan(Lidar(spec, mount, 0, 1), scene, make_trajectory(drive));
     const Comparison result =
         compare(spec, scan, [&](const NominalRay& ray) -> std::optional<double> {
           const double t_s = to_seconds(ray.since_start);
@@ -179,9 +180,9 @@ TEST(Lidar, EveryPointOfAMovingTargetIsWhereItsOwnFiringTimePutsIt) {
             const Vector3d extent_m = half_m.array() + 1e-5 * growth;
             for (const Motion& motion : motions) {
               const Pose T_actor_lidar = motion.at(t_s).inverse() * drive(t_s) * mount;
-              nearest_m = std::min(nearest_m, box_range_m(T_actor_lidar.translation,
-                                                          T_actor_lidar.rotation * ray.direction,
-                                                          extent_m));
+              nearest_m = std::min(nearest_m,
+                                   box_range_m(T_actor_lidar.translation,
+                                               T_actor_lidar.rotation * ray.direction, extent_m));
             }
           }
           // What changes by five times the box's growth or more grazes a face or an edge.

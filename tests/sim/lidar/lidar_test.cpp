@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <array>
 #include <cstring>
 
 #include "core/error.h"
@@ -225,9 +226,9 @@ TEST(LidarSpec, PresetsHaveTheCyclesOfTheirDataSheets) {
   EXPECT_EQ(hdl64e_spec().cycles(), 2083U);
   EXPECT_EQ(Lidar(hdl32e_spec(), {}, 0, 1).rays_per_scan(), 69'440U);
   EXPECT_EQ(Lidar(hdl64e_spec(), {}, 0, 1).rays_per_scan(), 133'312U);
-  EXPECT_THAT(hdl32e_spec().rings(), testing::ElementsAre(
-      0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23, 8, 24, 9, 25, 10, 26, 11, 27, 12,
-      28, 13, 29, 14, 30, 15, 31));
+  EXPECT_THAT(hdl32e_spec().rings(),
+              testing::ElementsAre(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23, 8, 24, 9,
+                                   25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31));
 }
 
 void expect_refused(const LidarSpec& spec, const std::string& key) {

@@ -40,8 +40,8 @@ struct Drive {
       controls = driver.control(now, view_of(car));
       for (int k = 0; k < 8; ++k) car.step(controls);
       now += Duration{10'000'000};
-      const RouteProjection at = route.project(
-          car.T_map_vehicle().translation, records.empty() ? 0.0 : records.back().s_m);
+      const RouteProjection at = route.project(car.T_map_vehicle().translation,
+                                               records.empty() ? 0.0 : records.back().s_m);
       records.push_back(
           {to_seconds(now), at.s_m, at.lateral_m, car.speed_m_s(), controls.steering_rad});
     }
@@ -67,10 +67,19 @@ struct Drive {
 TEST(Driver, KeepsTheLaneOfATown) {
   // Bends of 10 m radius without easement, an S, long curves at speed, 14 m/s between.
   const double quarter_m = 10.0 * std::numbers::pi / 2.0;
-  const Route route =
-      route_of({{80, 0}, {quarter_m, 0.1}, {60, 0}, {quarter_m, -0.1}, {150, 0}, {30, 0.02},
-                {30, -0.02}, {100, 0}, {120, -0.01}, {quarter_m, 0.1}, {quarter_m, -0.1}, {60, 0}},
-               14.0);
+  const Route route = route_of({{80, 0},
+                                {quarter_m, 0.1},
+                                {60, 0},
+                                {quarter_m, -0.1},
+                                {150, 0},
+                                {30, 0.02},
+                                {30, -0.02},
+                                {100, 0},
+                                {120, -0.01},
+                                {quarter_m, 0.1},
+                                {quarter_m, -0.1},
+                                {60, 0}},
+                               14.0);
   Drive drive(route);
   drive.run(200.0);
   EXPECT_TRUE(drive.driver.finished());
@@ -141,6 +150,14 @@ TEST(Driver, HaltsAtStopsForTheirDwellAndKeepsTheSchedule) {
   EXPECT_LT(std::abs(latest_s), 1.5);
 }
 
+TEST(Driver, FinishesWhereTheRouteEndsWithAStop) {
+  const Route route = route_of({{100, 0}}, 10.0, {{99.75, 5.0}});
+  Drive drive(route);
+  drive.run(60.0);
+  EXPECT_TRUE(drive.driver.finished());
+  EXPECT_NEAR(drive.records.back().s_m, 99.75, 0.6);
+}
+
 TEST(Driver, WaitsForItsFirstViewAndStartsTheClockThen) {
   const Route route = route_of({{200, 0}}, 10.0);
   Drive drive(route);
@@ -173,8 +190,8 @@ TEST(Driver, StaysFiniteWhateverItIsTold) {
   const VehicleSpec spec;
   Driver driver({}, spec, route);
   RandomSequence random(1, "driver_test");
-  const std::array<double, 6> values = {kNan, std::numeric_limits<double>::infinity(), -1e300,
-                                        1e9, 0.0, -3.0};
+  const std::array<double, 6> values = {
+      kNan, std::numeric_limits<double>::infinity(), -1e300, 1e9, 0.0, -3.0};
   for (int i = 0; i < 5000; ++i) {
     const auto any = [&] {
       return random.chance(0.2) ? values[random.pick(values.size())]
@@ -201,8 +218,9 @@ TEST(Driver, CarriesAnOldViewOn) {
     drive.run(60.0, [&](const Vehicle& c) {
       past.push_back(truth(c));
       DriverView view = past[past.size() < 21 ? 0 : past.size() - 21];
-      if (age_told) view.age = Duration{10'000'000} * std::min<std::int64_t>(
-                                   20, static_cast<std::int64_t>(past.size()) - 1);
+      if (age_told)
+        view.age = Duration{10'000'000} *
+                   std::min<std::int64_t>(20, static_cast<std::int64_t>(past.size()) - 1);
       return std::optional(view);
     });
     return drive.worst_m();

@@ -48,8 +48,8 @@ inline Route route_of(const std::vector<Piece>& pieces, double speed_m_s,
                         .position = p,
                         .yaw_rad = yaw_rad,
                         .curvature_1_m = k,
-                        .speed_m_s = std::min(speed_m_s, std::sqrt(lateral_m_s2 /
-                                                                   std::max(std::abs(k), 1e-6)))});
+                        .speed_m_s = std::min(
+                            speed_m_s, std::sqrt(lateral_m_s2 / std::max(std::abs(k), 1e-6)))});
       const double mid_rad = yaw_rad + 0.5 * k * kStep_m;
       p += kStep_m * Vector3d(std::cos(mid_rad), std::sin(mid_rad), 0.0);
       yaw_rad += k * kStep_m;
@@ -63,8 +63,8 @@ inline Route route_of(const std::vector<Piece>& pieces, double speed_m_s,
   halt(1e9);
   for (const RouteStop& stop : stops) halt(stop.s_m);
   const auto limit = [&](RoutePoint& a, const RoutePoint& b) {
-    a.speed_m_s = std::min(a.speed_m_s,
-                           std::sqrt(b.speed_m_s * b.speed_m_s + 2.0 * along_m_s2 * kStep_m));
+    a.speed_m_s =
+        std::min(a.speed_m_s, std::sqrt(b.speed_m_s * b.speed_m_s + 2.0 * along_m_s2 * kStep_m));
   };
   for (std::size_t i = 1; i < points.size(); ++i) limit(points[i], points[i - 1]);
   for (std::size_t i = points.size() - 1; i-- > 0;) limit(points[i], points[i + 1]);

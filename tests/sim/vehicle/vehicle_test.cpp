@@ -223,9 +223,8 @@ TEST(Vehicle, PitchesAndRollsLikeASedan) {
   drive(car, 2.0, {.acceleration_m_s2 = -2.0});
   const double pitch_rad = rpy_from_rotation(car.T_map_vehicle().rotation).y() - level_rad;
   // m·a·h / Σk·x² about the centre of mass.
-  const double pitch_stiffness =
-      2.0 * (k[0] * std::pow(2.7 - 1.4, 2) + k[1] * 1.4 * 1.4) -
-      spec.mass_kg * kGravity_m_s2 * spec.cog_height_m;
+  const double pitch_stiffness = 2.0 * (k[0] * std::pow(2.7 - 1.4, 2) + k[1] * 1.4 * 1.4) -
+                                 spec.mass_kg * kGravity_m_s2 * spec.cog_height_m;
   const double dive_rad = spec.mass_kg * 2.1 * spec.cog_height_m / pitch_stiffness;
   EXPECT_NEAR(pitch_rad, dive_rad, 0.15 * dive_rad);  // nose down is positive about y
 }
@@ -251,16 +250,15 @@ TEST(Vehicle, SlidesBeyondItsGripButNeverTips) {
 TEST(Vehicle, HitsABoxInItsWayAndPassesOneBeside) {
   World world = plane_world();
   const double half_width_m = 0.5 * VehicleSpec{}.width_m;
-  world.colliders.push_back({.T_map_box = pose_at(30.0, half_width_m + 0.5 + 0.1),
-                             .half_extent_m = {0.5, 0.5, 1.0}});
+  world.colliders.push_back(
+      {.T_map_box = pose_at(30.0, half_width_m + 0.5 + 0.1), .half_extent_m = {0.5, 0.5, 1.0}});
   {
     Vehicle car({}, world, pose_at(0.0, 0.0));
     drive_at(car, 8.0, 8.0, 0.0);
     EXPECT_GT(car.T_map_vehicle().translation.x(), 40.0);
     EXPECT_EQ(car.collisions(), 0);
   }
-  world.colliders.push_back(
-      {.T_map_box = pose_at(40.0, 0.0), .half_extent_m = {0.5, 0.5, 1.0}});
+  world.colliders.push_back({.T_map_box = pose_at(40.0, 0.0), .half_extent_m = {0.5, 0.5, 1.0}});
   {
     Vehicle car({}, world, pose_at(0.0, 0.0));
     drive_at(car, 8.0, 8.0, 0.0);
@@ -305,8 +303,8 @@ TEST(Vehicle, GroundHoldsACarThatFellOnItsSide) {
 TEST(Vehicle, SameControlsGiveTheSameBytes) {
   World world = plane_world(300.0, 0.02, -0.01);
   for (int i = 0; i < 50; ++i) {
-    world.colliders.push_back({.T_map_box = pose_at(10.0 * i, 4.0, 0.1 * i),
-                               .half_extent_m = {0.5, 0.5, 1.0}});
+    world.colliders.push_back(
+        {.T_map_box = pose_at(10.0 * i, 4.0, 0.1 * i), .half_extent_m = {0.5, 0.5, 1.0}});
   }
   const auto run = [&](double twist_rad) {
     Vehicle car({}, world, pose_at(0.0, 0.0));

@@ -15,12 +15,12 @@ struct GroundHit {
 
 /// The ground as wheels feel it: rays against its triangles (Bullet's quantised tree; the hits
 /// themselves are computed in double).
-class GroundMesh {
+class GroundRays {
  public:
   /// `mesh` must outlive this. Throws InputError where it is empty.
-  explicit GroundMesh(const TriangleMesh& mesh);
-  ~GroundMesh();
-  GroundMesh(GroundMesh&&) noexcept;
+  explicit GroundRays(const TriangleMesh& mesh);
+  ~GroundRays();
+  GroundRays(GroundRays&&) noexcept;
 
   /// Nearest hit on the way from `from` to `to`.
   [[nodiscard]] std::optional<GroundHit> cast(const Vector3d& from, const Vector3d& to) const;

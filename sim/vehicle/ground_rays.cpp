@@ -1,4 +1,4 @@
-#include "sim/vehicle/ground_mesh.h"
+#include "sim/vehicle/ground_rays.h"
 
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
@@ -51,18 +51,18 @@ struct NearestHit final : btTriangleRaycastCallback {
 
 }  // namespace
 
-struct GroundMesh::Impl {
+struct GroundRays::Impl {
   explicit Impl(const TriangleMesh& mesh)
       : array(as_bullet_array(mesh)), shape(&array, /*useQuantizedAabbCompression=*/true) {}
   btTriangleIndexVertexArray array;
   btBvhTriangleMeshShape shape;
 };
 
-GroundMesh::GroundMesh(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
-GroundMesh::~GroundMesh() = default;
-GroundMesh::GroundMesh(GroundMesh&&) noexcept = default;
+GroundRays::GroundRays(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
+GroundRays::~GroundRays() = default;
+GroundRays::GroundRays(GroundRays&&) noexcept = default;
 
-std::optional<GroundHit> GroundMesh::cast(const Vector3d& from, const Vector3d& to) const {
+std::optional<GroundHit> GroundRays::cast(const Vector3d& from, const Vector3d& to) const {
   NearestHit hit(as_bullet(from), as_bullet(to));
   impl_->shape.performRaycast(&hit, as_bullet(from), as_bullet(to));
   if (hit.fraction > 1.0) return std::nullopt;
