@@ -215,22 +215,22 @@ PriorMap load(const fs::path& folder) {
     for (const Json& entry : index.at("tiles")) {
       const auto name = entry.at("file").get<std::string>();
       if (fs::path(name).filename() != name || !names.insert(name).second) {
-        fail(index_file, "file '" + name + "' is named twice or not a plain file name" +
-                             kBuildAgain);
+        fail(index_file,
+             "file '" + name + "' is named twice or not a plain file name" + kBuildAgain);
       }
       const auto xyz = entry.at("origin_m").get<std::array<double, 3>>();
       tiles.push_back({{xyz[0], xyz[1], xyz[2]}, read_tile(folder / name, entry.at("points"))});
     }
   } catch (const Json::exception& error) {
-    fail(index_file, std::string("lacks a key or has a wrong type (") + error.what() + ")" +
-                         kBuildAgain);
+    fail(index_file,
+         std::string("lacks a key or has a wrong type (") + error.what() + ")" + kBuildAgain);
   }
   try {
     const LocalFrame checked(origin);
     PriorMap map = PriorMap::from_tiles(origin, tile_size_m, std::move(tiles));
     if (map.size() != total) {
-      fail(index_file, "tiles add up to " + std::to_string(map.size()) + " points, but 'points' is " +
-                           std::to_string(total) + kBuildAgain);
+      fail(index_file, "tiles add up to " + std::to_string(map.size()) +
+                           " points, but 'points' is " + std::to_string(total) + kBuildAgain);
     }
     return map;
   } catch (const InputError& error) {

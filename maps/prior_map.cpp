@@ -38,8 +38,8 @@ Vector3d cell_middle(const Cell& cell, double size_m, double z_m) {
 }
 
 std::string text(const Vector3d& p) {
-  return "(" + std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " +
-         std::to_string(p.z()) + ")";
+  return "(" + std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " + std::to_string(p.z()) +
+         ")";
 }
 
 void check_tile_size(double size_m) {
@@ -52,8 +52,8 @@ void check_tile_size(double size_m) {
 void check_tile(const Tile& tile, double size_m) {
   const Vector3d middle = cell_middle(cell_of(tile.origin, size_m), size_m, tile.origin.z());
   if (!tile.origin.allFinite() || (tile.origin - middle).norm() > 1e-6) {
-    throw InputError("map: tile origin " + text(tile.origin) + " is not the middle of a square of " +
-                     std::to_string(size_m) + " m");
+    throw InputError("map: tile origin " + text(tile.origin) +
+                     " is not the middle of a square of " + std::to_string(size_m) + " m");
   }
   // A point on the border may be rounded across it.
   const auto limit = static_cast<float>(0.5 * size_m + 1e-3);
@@ -187,9 +187,8 @@ void PriorMap::crop(const Vector3d& center, double radius_m, Crop& out) const {
   out.origin.setZero();
   if (center.allFinite()) out.origin = center.array().round();
   std::size_t most = 0;
-  index_->for_tiles_within(center, radius_m, [&](const Tile& tile, double, double) {
-    most += tile.points.size();
-  });
+  index_->for_tiles_within(center, radius_m,
+                           [&](const Tile& tile, double, double) { most += tile.points.size(); });
   out.points.resize(most);
   Vector3f* end = out.points.data();
   index_->for_tiles_within(center, radius_m, [&](const Tile& tile, double, double farthest) {

@@ -37,8 +37,8 @@ class PriorMap {
   /// Takes tiles as they are (any order; empty ones are left out). Throws InputError where a tile
   /// is not about the middle of a cell of the grid, two share a cell, or a point is not finite or
   /// outside its tile.
-  [[nodiscard]] static PriorMap from_tiles(const GeodeticPoint& geodetic_origin,
-                                           double tile_size_m, std::vector<Tile> tiles);
+  [[nodiscard]] static PriorMap from_tiles(const GeodeticPoint& geodetic_origin, double tile_size_m,
+                                           std::vector<Tile> tiles);
 
   [[nodiscard]] const GeodeticPoint& geodetic_origin() const;
   [[nodiscard]] double tile_size_m() const;

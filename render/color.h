@@ -34,7 +34,7 @@ inline constexpr Color ink{31, 41, 51};
 inline constexpr Color ink_soft{91, 102, 112};
 inline constexpr Color frame{168, 176, 184};
 inline constexpr Color grid{228, 231, 235};
-inline constexpr Color land{236, 235, 230};
+inline constexpr Color land{217, 221, 213};
 inline constexpr Color blue{31, 91, 143};
 inline constexpr Color blue_pale{31, 91, 143, 58};
 inline constexpr Color orange{213, 94, 0};

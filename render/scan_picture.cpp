@@ -10,7 +10,10 @@
 namespace locsim::render {
 namespace {
 
-constexpr double near_m = 0.5;
+/// Half way to the vehicle: a tree above the road behind it would hide the view.
+double near_m(const ScanPicture& picture) {
+  return std::max(0.5 * picture.behind_m, 0.2);
+}
 
 /// Noise puts half of a surface's returns behind it: each point is drawn a little nearer along its
 /// line of sight, which leaves its pixel as it is.
@@ -42,7 +45,7 @@ Image draw_scene(const ScanPicture& picture, const Scale& ranges) {
     gl.draw_mesh(vehicle, own);
   }
   Frame shaded = gl.read();
-  shade_depth_edges(shaded, near_m, picture.visibility_m);
+  shade_depth_edges(shaded, near_m(picture), picture.visibility_m);
 
   std::vector<Vector3d> places;
   std::vector<Color> colors;
@@ -68,7 +71,8 @@ Camera scan_camera(const ScanPicture& picture) {
   const Vector3d& at = picture.T_map_vehicle.translation;
   const Vector3d eye = at - picture.behind_m * course + picture.above_m * Vector3d::UnitZ();
   return camera_looking_at(eye, at + picture.ahead_m * course, picture.vertical_field_of_view_rad,
-                           near_m, picture.visibility_m, picture.width_px, picture.height_px);
+                           near_m(picture), picture.visibility_m, picture.width_px,
+                           picture.height_px);
 }
 
 Scale scan_range_scale(const ScanPicture& picture) {

@@ -26,7 +26,8 @@ struct ScanPicture {
   SceneMesh vehicle;
   Pose T_map_vehicle;
   std::vector<ScanPoint> points;
-  /// Of the camera from the vehicle's origin, along its course and straight up [m].
+  /// Of the camera from the vehicle's origin, along its course and straight up [m]. What is nearer
+  /// to the camera than half of `behind_m` is not drawn. Under a roof, choose a lower camera.
   double behind_m = 12.0;
   double above_m = 6.0;
   /// The camera looks at the ground this far before the vehicle [m].

@@ -9,9 +9,9 @@ using Matrix15d = Eigen::Matrix<double, 15, 15>;
 
 /// Rows of the error state.
 enum ErrorRow : Eigen::Index {
-  kPoseRow = 0,       ///< ξ of the IMU's pose, T_true = T·Exp(ξ): translation, then rotation
-  kRotationRow = 3,   ///< its rotation
-  kVelocityRow = 6,   ///< of the IMU, map frame
+  kPoseRow = 0,      ///< ξ of the IMU's pose, T_true = T·Exp(ξ): translation, then rotation
+  kRotationRow = 3,  ///< its rotation
+  kVelocityRow = 6,  ///< of the IMU, map frame
   kGyroBiasRow = 9,
   kAccelBiasRow = 12
 };
@@ -79,8 +79,8 @@ class ErrorStateFilter {
  private:
   template <int N>
   Innovation update(const Eigen::Matrix<double, N, 1>& residual,
-                    const Eigen::Matrix<double, N, 15>& H,
-                    const Eigen::Matrix<double, N, N>& noise, double gate);
+                    const Eigen::Matrix<double, N, 15>& H, const Eigen::Matrix<double, N, N>& noise,
+                    double gate);
   void inject(const Vector15d& error);
 
   Rig rig_;

@@ -24,9 +24,8 @@ InertialState to_inertial(const Estimate& estimate, const Pose& T_vehicle_imu) {
   state.time = estimate.time;
   state.T_map_imu = estimate.T_map_vehicle * T_vehicle_imu;
   state.velocity_m_s =
-      estimate.velocity_m_s +
-      estimate.T_map_vehicle.rotation *
-          estimate.angular_rate_rad_s.cross(T_vehicle_imu.translation);
+      estimate.velocity_m_s + estimate.T_map_vehicle.rotation *
+                                  estimate.angular_rate_rad_s.cross(T_vehicle_imu.translation);
   state.gyro_bias_rad_s = estimate.gyro_bias_rad_s;
   state.accel_bias_m_s2 = estimate.accel_bias_m_s2;
   return state;
@@ -37,8 +36,9 @@ void from_inertial(const InertialState& state, const Vector3d& angular_rate_imu_
   out.time = state.time;
   out.T_map_vehicle = state.T_map_imu * T_vehicle_imu.inverse();
   out.angular_rate_rad_s = T_vehicle_imu.rotation * angular_rate_imu_rad_s;
-  out.velocity_m_s = state.velocity_m_s - out.T_map_vehicle.rotation * out.angular_rate_rad_s.cross(
-                                                                           T_vehicle_imu.translation);
+  out.velocity_m_s =
+      state.velocity_m_s -
+      out.T_map_vehicle.rotation * out.angular_rate_rad_s.cross(T_vehicle_imu.translation);
   out.gyro_bias_rad_s = state.gyro_bias_rad_s;
   out.accel_bias_m_s2 = state.accel_bias_m_s2;
 }

@@ -101,8 +101,8 @@ void IcpLocalizer::add(const GnssFix& fix) {
   static_cast<void>(filter_->update_velocity(
       fix.velocity_enu_m_s, scale2 * fix.velocity_covariance_m2_s2 + 0.01 * identity));
   if (sigma_horizontal_m() > floor_m) {
-    const Vector3d now = guess_.frame().to_map(fix.position) +
-                         fix.velocity_enu_m_s * to_seconds(age);
+    const Vector3d now =
+        guess_.frame().to_map(fix.position) + fix.velocity_enu_m_s * to_seconds(age);
     const Matrix3d covariance = scale2 * fix.position_covariance_m2 + floor_m * floor_m * identity;
     // Far off and far from known: then it is the belief that is too sure of itself.
     if (!filter_->update_position(now, covariance).accepted) {
@@ -144,7 +144,8 @@ bool IcpLocalizer::can_place(const LidarScan& scan) const {
 void IcpLocalizer::add(const LidarScan& scan) {
   if (!filter_ || scan.end <= scan.start || (last_scan_ && scan.end <= *last_scan_)) return;
   if (scan.end - scan.start > kMotionKept) return;
-  if (scan.end > filter_->state().time + kImuLate && scan.end < filter_->state().time + 10 * kMotionKept) {
+  if (scan.end > filter_->state().time + kImuLate &&
+      scan.end < filter_->state().time + 10 * kMotionKept) {
     filter_->coast(scan.end);
     motion_.push(scan.end, filter_->T_map_vehicle());
   }
@@ -196,12 +197,13 @@ void IcpLocalizer::track(std::span<const Vector3f> points, const Pose& predicted
   Pose guess = predicted;
   const double sigma = sigma_horizontal_m();
   if (sigma > kWideSigma_m) {
-    guess = registration_
-                .align(points, guess, 3.0 * limits.max_correspondence_m, limits.iterations_max, false)
-                .T_map_vehicle;
+    guess =
+        registration_
+            .align(points, guess, 3.0 * limits.max_correspondence_m, limits.iterations_max, false)
+            .T_map_vehicle;
   }
-  const Registration result = registration_.align(points, guess, limits.max_correspondence_m,
-                                                  limits.iterations_max, true);
+  const Registration result =
+      registration_.align(points, guess, limits.max_correspondence_m, limits.iterations_max, true);
   const double jump_m = (result.T_map_vehicle.translation - predicted.translation).norm();
   bool good = looks_good(result) && jump_m < 0.5 + 4.0 * sigma;
   if (good) {

@@ -50,16 +50,14 @@ Matrix3d constraint_of(const Cloud& cloud, const pcl::Indices& neighbours) {
   mean /= static_cast<double>(neighbours.size());
   Matrix3d spread = Matrix3d::Zero();
   for (const int i : neighbours) {
-    const Vector3d d =
-        cloud[static_cast<std::size_t>(i)].getVector3fMap().cast<double>() - mean;
+    const Vector3d d = cloud[static_cast<std::size_t>(i)].getVector3fMap().cast<double>() - mean;
     spread += d * d.transpose();
   }
   Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
   eigen.computeDirect(spread);
   const double widest = eigen.eigenvalues()[2];
   if (!(widest > 0.0)) return Matrix3d::Zero();
-  const Vector3d weights =
-      (1.0 - 10.0 / widest * eigen.eigenvalues().array()).max(0.0).matrix();
+  const Vector3d weights = (1.0 - 10.0 / widest * eigen.eigenvalues().array()).max(0.0).matrix();
   return eigen.eigenvectors() * weights.asDiagonal() * eigen.eigenvectors().transpose();
 }
 

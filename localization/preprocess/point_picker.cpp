@@ -19,8 +19,8 @@ std::vector<std::uint32_t> pick_points(const LidarScan& scan, const Rig& rig,
   };
   std::vector<Mount> mounts;
   for (const Pose& pose : rig.T_vehicle_lidar) {
-    mounts.push_back({pose.rotation.toRotationMatrix().cast<float>(),
-                      pose.translation.cast<float>()});
+    mounts.push_back(
+        {pose.rotation.toRotationMatrix().cast<float>(), pose.translation.cast<float>()});
   }
   const auto min2 = static_cast<float>(config.range_min_m * config.range_min_m);
   const auto max2 = static_cast<float>(config.range_max_m * config.range_max_m);

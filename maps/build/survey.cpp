@@ -77,8 +77,7 @@ void sample_triangle(const TriangleMesh& mesh, std::size_t triangle, double per_
   const Vector3d ac = mesh.corner(triangle, 2) - a;
   const double area_m2 = 0.5 * ab.cross(ac).norm();
   const auto bits = random.bits(triangle, lane);
-  const auto samples =
-      static_cast<std::uint64_t>(area_m2 * per_m2 + uniform_from_bits(bits[0]));
+  const auto samples = static_cast<std::uint64_t>(area_m2 * per_m2 + uniform_from_bits(bits[0]));
   const Eigen::Vector2d shift(uniform_from_bits(bits[1]), uniform_from_bits(bits[2]));
   for (std::uint64_t i = 0; i < samples; ++i) {
     Eigen::Vector2d uv = r2_point(i, shift);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +13,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "sim/world/ply_check.h"
 
 namespace locsim::sim {
 
@@ -25,20 +25,8 @@ constexpr double kFarthest_m = 50'000.0;
   throw InputError("mesh world '" + file + "': " + problem);
 }
 
-/// How many faces the header of a PLY file promises.
-std::size_t promised_ply_faces(const std::string& file) {
-  constexpr std::string_view kKey = "element face ";
-  std::ifstream stream(file, std::ios::binary);
-  std::size_t count = 0;
-  for (std::string line; std::getline(stream, line) && !line.starts_with("end_header");) {
-    if (!line.starts_with(kKey)) continue;
-    std::from_chars(line.data() + kKey.size(), line.data() + line.size(), count);
-  }
-  return count;
-}
-
-/// The importer takes a file that breaks off as far as it goes, with faces left empty or missing,
-/// and its later steps trust what it took: so this comes before them.
+/// The importer takes a file that breaks off as far as it goes, and its later steps trust what it
+/// took: so this comes before them.
 void check_complete(const std::string& file, const aiScene& scene) {
   std::size_t faces = 0;
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
@@ -55,13 +43,7 @@ void check_complete(const std::string& file, const aiScene& scene) {
       ++faces;
     }
   }
-  const bool is_ply = std::filesystem::path(file).extension() == ".ply";
-  const std::size_t promised = is_ply ? promised_ply_faces(file) : 0;
-  if (faces == 0 || faces < promised) {
-    fail(file, "holds " + std::to_string(faces) + " faces" +
-                   (promised > 0 ? ", its header promises " + std::to_string(promised) : "") +
-                   "; it is truncated or no mesh: copy or export it again");
-  }
+  if (faces == 0) fail(file, "holds no faces; give a mesh, whole");
 }
 
 /// The world's materials: one for each name in the file, in the file's order.
@@ -188,6 +170,12 @@ World load_mesh_world(const MeshWorldConfig& config, const GeodeticPoint& origin
   }
   if (std::filesystem::file_size(file, error) == 0) {
     fail(file, "the file is empty; export it again");
+  }
+  // On a PLY file that breaks off, the importer may not come back.
+  if (std::filesystem::path(file).extension() == ".ply") {
+    if (const std::string problem = ply_problem(file); !problem.empty()) {
+      fail(file, problem + "; it is truncated or no PLY file: copy or export it again");
+    }
   }
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(file, 0);

@@ -41,8 +41,8 @@ class Furnisher {
   void add_signs(double spacing_m) {
     for (double s = random_.uniform(2.0, spacing_m); s < side_.length_m();
          s += spacing_m * random_.uniform(0.5, 1.5)) {
-      const Vector2d place = side_.at(s, side_.kerb_m() + random_.uniform(0.65, 1.0));
-      if (!take(square_footprint(place, 0.08), 2.5)) continue;
+      const Vector2d place = side_.at(s, side_.kerb_m() + random_.uniform(0.95, 1.2));
+      if (!take({place, side_.traffic_direction(s), {0.08, kSignReach_m}}, 2.5)) continue;
       // x towards the traffic that is to read it.
       const Pose pole = frame(place, -side_.traffic_direction(s));
       const double top_m = random_.uniform(2.5, 3.2);
@@ -105,6 +105,9 @@ class Furnisher {
   [[nodiscard]] Pose frame(const Vector2d& place, const Vector2d& axis) const {
     return upright(site_.on_ground(place), axis);
   }
+
+  /// From a sign's pole to the border of its plate, at most.
+  static constexpr double kSignReach_m = 0.46;
 
   /// Takes the footprint where it is free, with a collider of `height_m`.
   bool take(const Footprint& base, double height_m) {

@@ -90,7 +90,7 @@ class SideStreets {
       course += kVertexM * curvature * std::min(1.0, beyond / kLevelM);
       position += kVertexM * Vector3d(std::cos(course), std::sin(course), 0.0);
     }
-    if (static_cast<double>(street.centreline.size() - 1) * kVertexM >= kSideMinM) {
+    if (static_cast<double>(street.centreline.size()) > kSideMinM / kVertexM) {
       streets_.push_back(std::move(street));
     }
   }

@@ -48,10 +48,9 @@ void add_limb(TriangleMesh& mesh, const Vector3d& from, const Vector3d& to, doub
 enum class Front { hedge, wall, fence, open };
 
 void add_fence(TriangleMesh& mesh, const Footprint& line, double foot_m, double height_m,
-               RandomSequence& random) {
+               MaterialId material, RandomSequence& random) {
   const Pose middle = upright({line.center.x(), line.center.y(), foot_m}, line.axis);
   const double half_m = line.half_extent_m.x();
-  const auto material = id(random.chance(0.5) ? TownMaterial::wood : TownMaterial::metal_painted);
   const auto box = [&](double u, double z, const Vector3d& half) {
     add_box(mesh, middle * Pose{Eigen::Quaterniond::Identity(), {u, 0.0, z}}, half, material);
   };
@@ -68,11 +67,11 @@ void add_fence(TriangleMesh& mesh, const Footprint& line, double foot_m, double 
 }  // namespace
 
 void add_tree(TriangleMesh& mesh, const TreePlan& plan, RandomSequence& random) {
-  const double trunk_m = 0.02 * plan.height_m + random.uniform(0.03, 0.10);
+  const double trunk_m = 0.012 * plan.height_m + random.uniform(0.02, 0.07);
   const double fork_m = std::max(plan.clear_m - 0.6, 0.35 * plan.height_m);
-  const double lean_m = 0.03 * plan.height_m;
-  const Vector3d fork =
-      plan.foot + Vector3d(lean_m * random.gaussian(), lean_m * random.gaussian(), fork_m);
+  const double lean_m = 0.015 * plan.height_m;
+  const Vector3d fork = plan.foot + Vector3d(lean_m * random.uniform(-1.0, 1.0),
+                                             lean_m * random.uniform(-1.0, 1.0), fork_m);
   add_limb(mesh, plan.foot - Vector3d(0, 0, 0.3), fork, trunk_m, 8);
   const double crown_m = plan.height_m - plan.clear_m;
   const std::size_t tufts = 6 + random.pick(5);
@@ -172,6 +171,7 @@ void add_garden_fronts(TownSite& site, const Layout& layout, std::uint64_t seed)
       double plot_end_m = 0.0;
       Front kind = Front::open;
       double height_m = 1.0;
+      TownMaterial fence = TownMaterial::wood;
       double s = 0.5;
       while (s < side.length_m() - 1.0) {
         if (s >= plot_end_m) {
@@ -182,6 +182,7 @@ void add_garden_fronts(TownSite& site, const Layout& layout, std::uint64_t seed)
                  : draw < 0.85 ? Front::fence
                                : Front::open;
           height_m = random.uniform(0.8, 1.9);
+          fence = random.chance(0.5) ? TownMaterial::wood : TownMaterial::metal_painted;
           s += random.uniform(0.0, 1.4);  // the gate
         }
         const double panel_m = random.uniform(1.8, 2.6);
@@ -208,7 +209,7 @@ void add_garden_fronts(TownSite& site, const Layout& layout, std::uint64_t seed)
                           panel.axis),
                   {panel.half_extent_m.x(), 0.12, 0.5 * height_m + 0.2}, id(TownMaterial::brick));
         } else {
-          add_fence(mesh, panel, low_m, height_m, random);
+          add_fence(mesh, panel, low_m, height_m, id(fence), random);
         }
         site.taken.insert(panel);
         site.add_collider(panel, low_m, low_m + height_m);

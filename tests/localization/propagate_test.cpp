@@ -34,9 +34,8 @@ std::vector<ImuSample> samples_of(const Estimate& start, const Vector3d& rate,
     ImuSample sample;
     sample.time = start.time + duration_from_seconds(dt * k);
     sample.angular_rate_rad_s = rig.T_vehicle_imu.rotation.conjugate() * rate;
-    sample.specific_force_m_s2 =
-        (half * rig.T_vehicle_imu.rotation).conjugate() *
-        (acceleration + turned + kGravity_m_s2 * Vector3d::UnitZ());
+    sample.specific_force_m_s2 = (half * rig.T_vehicle_imu.rotation).conjugate() *
+                                 (acceleration + turned + kGravity_m_s2 * Vector3d::UnitZ());
     samples.push_back(sample);
   }
   return samples;
@@ -110,7 +109,8 @@ TEST(Propagate, CircleWithLeverArmComesBack) {
 TEST(Propagate, SkipsOldAndUnusableSamples) {
   const Rig rig = rig_with_lever();
   const Estimate start = moving_start();
-  std::vector<ImuSample> samples = samples_of(start, Vector3d(0, 0, 0.2), Vector3d::Zero(), rig, 0.5);
+  std::vector<ImuSample> samples =
+      samples_of(start, Vector3d(0, 0, 0.2), Vector3d::Zero(), rig, 0.5);
   const Estimate clean = propagate(start, samples, rig);
   std::vector<ImuSample> dirty = {samples[0]};
   dirty[0].time = start.time;
@@ -159,8 +159,8 @@ TEST(Propagate, CovarianceCoversAMonteCarlo) {
       noisy[k].specific_force_m_s2 +=
           rig.accel_noise_m_s2_sqrthz / std::sqrt(dt) * random.gaussian3(11 + 2 * k, lane);
     }
-    const Vector6d error = se3::log(propagate(wrong, noisy, rig).T_map_vehicle.inverse() *
-                                    truth.T_map_vehicle);
+    const Vector6d error =
+        se3::log(propagate(wrong, noisy, rig).T_map_vehicle.inverse() * truth.T_map_vehicle);
     sampled += error * error.transpose() / kRuns;
   }
   // Generalised eigenvalues of sampled against claimed: 1 were exact. Sampling of 2000 runs moves

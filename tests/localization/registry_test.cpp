@@ -24,8 +24,8 @@ TEST(Registry, NamesTheKindsThereAre) {
     (void)make_localizer_settings("teleport");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), ::testing::AllOf(::testing::HasSubstr("teleport"),
-                                               ::testing::HasSubstr("icp")));
+    EXPECT_THAT(error.what(),
+                ::testing::AllOf(::testing::HasSubstr("teleport"), ::testing::HasSubstr("icp")));
   }
 }
 

@@ -56,7 +56,8 @@ struct Street {
       for (double i = random.uniform(0.0, step); i < u.norm(); i += step) {
         for (double j = random.uniform(0.0, step); j < v.norm(); j += step) {
           points.push_back(corner + i * u.normalized() + j * v.normalized() +
-                           0.01 * Vector3d(random.gaussian(), random.gaussian(), random.gaussian()));
+                           0.01 *
+                               Vector3d(random.gaussian(), random.gaussian(), random.gaussian()));
         }
       }
     };

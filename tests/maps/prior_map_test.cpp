@@ -107,11 +107,10 @@ TEST(PriorMap, TilesWithinAreThoseTheDiscTouches) {
     const Vector3d center(33.0, -11.0, 0.0);
     std::size_t expected = 0;
     for (const Tile& tile : map.tiles()) {
-      const Eigen::Vector2d nearest = center.head<2>()
-                                          .cwiseMax(tile.origin.head<2>().array().matrix() -
-                                                    Eigen::Vector2d::Constant(10.0))
-                                          .cwiseMin(tile.origin.head<2>() +
-                                                    Eigen::Vector2d::Constant(10.0));
+      const Eigen::Vector2d nearest =
+          center.head<2>()
+              .cwiseMax(tile.origin.head<2>().array().matrix() - Eigen::Vector2d::Constant(10.0))
+              .cwiseMin(tile.origin.head<2>() + Eigen::Vector2d::Constant(10.0));
       if ((nearest - center.head<2>()).norm() <= radius) ++expected;
     }
     const auto found = map.tiles_within(center, radius);

@@ -56,10 +56,9 @@ TEST(ErrorStateFilter, TransitionIsTheNumericJacobian) {
   constexpr double h = 1e-6;
   for (int column = 0; column < 15; ++column) {
     const Vector15d step = h * Vector15d::Unit(column);
-    const Vector15d numeric =
-        (difference(next, strapdown_step(moved(state, step), sample, dt)) -
-         difference(next, strapdown_step(moved(state, -step), sample, dt))) /
-        (2.0 * h);
+    const Vector15d numeric = (difference(next, strapdown_step(moved(state, step), sample, dt)) -
+                               difference(next, strapdown_step(moved(state, -step), sample, dt))) /
+                              (2.0 * h);
     // Central differences: h² and rounding, 1e-16·30 m/h = 3e-9.
     EXPECT_LT((numeric - F.col(column)).norm(), 2e-8) << "column " << column;
   }
@@ -106,8 +105,8 @@ TEST(ErrorStateFilter, AntennaUpdatesMatchTheirModels) {
   const Estimate estimate = filter.vehicle_estimate();
   const Vector3d antenna = estimate.T_map_vehicle * rig.antenna_in_vehicle_m;
   const Vector3d velocity =
-      estimate.velocity_m_s + estimate.T_map_vehicle.rotation *
-                                  estimate.angular_rate_rad_s.cross(rig.antenna_in_vehicle_m);
+      estimate.velocity_m_s +
+      estimate.T_map_vehicle.rotation * estimate.angular_rate_rad_s.cross(rig.antenna_in_vehicle_m);
   const Matrix3d tight = Matrix3d::Identity() * 1e-8;
   // What the filter believes is measured: no innovation.
   ErrorStateFilter copy = filter;
@@ -119,12 +118,12 @@ TEST(ErrorStateFilter, AntennaUpdatesMatchTheirModels) {
   EXPECT_LT((filter.T_map_vehicle() * rig.antenna_in_vehicle_m - antenna - offset).norm(), 1e-3);
   ASSERT_TRUE(filter.update_velocity(velocity + offset, tight).accepted);
   const Estimate after = filter.vehicle_estimate();
-  EXPECT_LT((after.velocity_m_s +
-             after.T_map_vehicle.rotation *
-                 after.angular_rate_rad_s.cross(rig.antenna_in_vehicle_m) -
-             velocity - offset)
-                .norm(),
-            1e-3);
+  EXPECT_LT(
+      (after.velocity_m_s +
+       after.T_map_vehicle.rotation * after.angular_rate_rad_s.cross(rig.antenna_in_vehicle_m) -
+       velocity - offset)
+          .norm(),
+      1e-3);
 }
 
 TEST(ErrorStateFilter, GateComparesTheSquaredDistance) {
@@ -207,10 +206,10 @@ Nees run_once(std::uint64_t seed) {
     const double t = dt * static_cast<double>(k);
     ImuSample sample;
     sample.time = stamp_from_seconds(t);
-    sample.angular_rate_rad_s = Vector3d(0.05 * std::sin(t), 0.0, 0.4 * std::sin(0.7 * t)) +
-                                truth.gyro_bias_rad_s;
-    sample.specific_force_m_s2 = Vector3d(std::sin(t), 2.0 * std::cos(0.7 * t), kGravity_m_s2) +
-                                 truth.accel_bias_m_s2;
+    sample.angular_rate_rad_s =
+        Vector3d(0.05 * std::sin(t), 0.0, 0.4 * std::sin(0.7 * t)) + truth.gyro_bias_rad_s;
+    sample.specific_force_m_s2 =
+        Vector3d(std::sin(t), 2.0 * std::cos(0.7 * t), kGravity_m_s2) + truth.accel_bias_m_s2;
     truth = strapdown_step(truth, sample, dt);
     truth.gyro_bias_rad_s +=
         rig.gyro_bias_walk_rad_s2_sqrthz * std::sqrt(dt) * random.gaussian3(k, 4);

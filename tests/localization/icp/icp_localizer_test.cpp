@@ -116,7 +116,7 @@ TEST(IcpLocalizer, SameInputSameBytesWhateverTheThreads) {
     const auto localizer = make_localizer(street_map(), threads);
     Hash hash;
     Play play;
-    play.end_s = 3.0;
+    play.end_s = 2.0;
     play.run(*localizer, [&](const Estimate& estimate, const Vector6d&) {
       for (const double x : estimate.T_map_vehicle.translation) hash.add(x);
       for (const double x : estimate.T_map_vehicle.rotation.coeffs()) hash.add(x);
@@ -133,8 +133,7 @@ TEST(IcpLocalizer, SameInputSameBytesWhateverTheThreads) {
 TEST(IcpLocalizer, NeverTracksWhereTheMapDoesNotReach) {
   std::vector<Vector3d> elsewhere = street().survey();
   for (Vector3d& p : elsewhere) p += Vector3d(2000.0, 0.0, 0.0);
-  const auto localizer =
-      make_localizer(std::make_shared<const maps::PriorMap>(kOrigin, elsewhere));
+  const auto localizer = make_localizer(std::make_shared<const maps::PriorMap>(kOrigin, elsewhere));
   int looks = 0;
   Play play;
   play.end_s = 4.0;
@@ -152,7 +151,7 @@ TEST(IcpLocalizer, NeverTracksOnAWrongMap) {
   const auto localizer =
       make_localizer(std::make_shared<const maps::PriorMap>(kOrigin, other.survey()));
   Play play;
-  play.end_s = 5.0;
+  play.end_s = 3.0;
   int false_fixes = 0;
   play.run(*localizer, [&](const Estimate& estimate, const Vector6d& error) {
     if (estimate.state == State::tracking && error.head<3>().norm() > 2.0) ++false_fixes;

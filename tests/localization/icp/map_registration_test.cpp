@@ -38,13 +38,14 @@ TEST(MapRegistration, FindsThePoseFromNearby) {
   Vector6d offset;
   offset << 0.2, 0.3, -0.2, 0.0, 0.01, 0.02;
   ASSERT_TRUE(registration.move_to(truth.translation));
-  const Registration result =
-      registration.align(points, truth * se3::exp(-offset), 1.0, 40, true);
-  // Chance of the map's sampling: 0.4 m/√12 over 1200 points, 3 mm an axis, more along the
-  // street, where a tenth of them count; range noise adds less.
+  const Registration result = registration.align(points, truth * se3::exp(-offset), 0.6, 40, true);
+  // Chance of the map's sampling: 0.4 m/√12 over 1200 points, 3 mm an axis, and 1 cm along the
+  // street, where a tenth of them count; ICP stops within a few steps of 1 mm of that (gain 0.8:
+  // a fifth of 0.2 m is left at worst), and parked cars pull down by 2 cm.
   const Vector6d error = error_of(result.T_map_vehicle, truth);
-  EXPECT_LT(error.head<3>().norm(), 0.05);
-  EXPECT_LT(error.tail<3>().norm(), 0.2 * kDegree);
+  EXPECT_LT(error.head<3>().norm(), 0.07);
+  EXPECT_LT(error.tail<3>().norm(), 0.3 * kDegree);
+  EXPECT_LT(std::abs(error[5]), 0.1 * kDegree);
   EXPECT_GT(result.overlap, 0.8);
   EXPECT_LT(result.residual_m, 0.25);
   // Houses with bays and gaps: every direction is seen.

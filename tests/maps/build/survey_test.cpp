@@ -126,8 +126,7 @@ TEST(Survey, KeepsOnlyWhatIsNearThePath) {
   const TriangleMesh mesh = square(60.0, 0.1);
   const TriangleMesh* meshes[] = {&mesh};
   const std::vector<Vector3d> path = {{10, 10, 0}, {50, 10, 0}};
-  const PriorMap map =
-      survey(meshes, {.noise_m = 0.0, .keep_within_m = 6.0}, kGeodetic, 1, path);
+  const PriorMap map = survey(meshes, {.noise_m = 0.0, .keep_within_m = 6.0}, kGeodetic, 1, path);
   for (const Vector3d& p : held(map)) {
     const double x = std::clamp(p.x(), 10.0, 50.0);
     EXPECT_LE(std::hypot(p.x() - x, p.y() - 10.0), 6.0 + 1e-5);

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -70,6 +71,21 @@ Kd 0.1 0.2 0.3
 newmtl bricks
 Kd 0.5 0.25 0.125
 )";
+
+/// One triangle of 0.5 m², binary, little-endian.
+std::string binary_ply() {
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
+      "property float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  const auto add = [&](auto value) {
+    text.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  for (const float value : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, 0.F}) add(value);
+  add(std::uint8_t{3});
+  for (const std::int32_t index : {0, 1, 2}) add(index);
+  return text;
+}
 
 /// A box of 2 × 3 × 4 m.
 std::string ply_box() {
@@ -183,13 +199,29 @@ TEST_F(MeshWorld, ErrorsNameFileAndRemedy) {
 }
 
 TEST_F(MeshWorld, TruncatedFilesAreErrors) {
+  MeshWorldConfig binary;
+  binary.file = write("whole.ply", binary_ply());
+  EXPECT_DOUBLE_EQ(area_m2(load_mesh_world(binary, {}).ground), 0.5);
+  for (const std::size_t cut : {1, 5, 13, 20, 49}) {
+    binary.file = write("cut_binary.ply", binary_ply().substr(0, binary_ply().size() - cut));
+    EXPECT_NE(message_of(binary).find("truncated"), std::string::npos) << "cut by " << cut;
+  }
   const std::string whole = ply_box();
   for (const std::size_t cut :
        {std::size_t{12}, std::size_t{60}, std::size_t{110}, std::size_t{200}}) {
     MeshWorldConfig config;
     config.file = write("cut" + std::to_string(cut) + ".ply", whole.substr(0, whole.size() - cut));
-    EXPECT_NE(message_of(config), "") << "cut by " << cut;
+    EXPECT_NE(message_of(config).find("truncated"), std::string::npos) << "cut by " << cut;
   }
+  // The buffer of a glTF file is shorter than it says.
+  write("short.bin", std::string(20, '\0'));
+  MeshWorldConfig gltf;
+  gltf.file = write("short.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"buffers":[{"uri":"short.bin","byteLength":36}],
+"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36,"target":34962}],
+"accessors":[{"bufferView":0,"byteOffset":0,"componentType":5126,"count":3,"type":"VEC3","max":[1,1,0],"min":[0,0,0]}]})");
+  EXPECT_NE(message_of(gltf), "");
   std::string obj = kRoom;
   MeshWorldConfig config;
   config.file = write("cut.obj", obj.substr(obj.find("v 4 3 0")));
