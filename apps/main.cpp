@@ -7,7 +7,8 @@
 
 int main(int argc, char** argv) {
   using namespace locsim;
-  CLI::App app{"locsim tests vehicle localization in closed loop, on a CPU, with no recorded data."};
+  CLI::App app{
+      "locsim tests vehicle localization in closed loop, on a CPU, with no recorded data."};
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 all criteria met, 1 a criterion failed, 2 bad input or usage, 3 a defect of "

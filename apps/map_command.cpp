@@ -44,8 +44,8 @@ void print_info(const maps::PriorMap& map) {
   std::printf("origin        %.9f deg, %.9f deg, %.3f m\n", origin.latitude_rad / kDegree,
               origin.longitude_rad / kDegree, origin.height_m);
   if (map.size() > 0) {
-    std::printf("extent        %.1f … %.1f m east, %.1f … %.1f m north, %.1f … %.1f m up\n", low.x(),
-                high.x(), low.y(), high.y(), low.z(), high.z());
+    std::printf("extent        %.1f … %.1f m east, %.1f … %.1f m north, %.1f … %.1f m up\n",
+                low.x(), high.x(), low.y(), high.y(), low.z(), high.z());
   }
 }
 
@@ -71,8 +71,8 @@ int info_command(const MapArguments& arguments) {
 
 int crop_command(const MapArguments& arguments) {
   const maps::PriorMap map = maps::load(arguments.input);
-  const maps::Crop crop = map.crop(
-      {arguments.center_m[0], arguments.center_m[1], 0.0}, arguments.radius_m);
+  const maps::Crop crop =
+      map.crop({arguments.center_m[0], arguments.center_m[1], 0.0}, arguments.radius_m);
   if (crop.points.empty()) {
     throw InputError(arguments.input + ": no point within " + std::to_string(arguments.radius_m) +
                      " m of the place; 'locsim map info' tells the map's extent");

@@ -74,12 +74,12 @@ render::TrajectoryPicture trajectory_picture(const RunFiles& run, const Scenario
                                              const Stage& stage, int width_px) {
   render::TrajectoryPicture picture;
   picture.title = run.scenario + ": " + (run.passed ? "passed" : "failed");
-  picture.subtitle = {
-      run.localizer + ", seed " + std::to_string(run.seed) + "    ATE rms " +
-      score_text(run, "ate_rmse_m", "%.3f m") + ", max " + score_text(run, "ate_max_m", "%.3f m") +
-      "    yaw rms " + score_text(run, "yaw_rmse_deg", "%.2f deg") + "    availability " +
-      score_text(run, "availability", "%.3f") + "    cross-track max " +
-      score_text(run, "cross_track_max_m", "%.2f m")};
+  picture.subtitle = {run.localizer + ", seed " + std::to_string(run.seed) + "    ATE rms " +
+                      score_text(run, "ate_rmse_m", "%.3f m") + ", max " +
+                      score_text(run, "ate_max_m", "%.3f m") + "    yaw rms " +
+                      score_text(run, "yaw_rmse_deg", "%.2f deg") + "    availability " +
+                      score_text(run, "availability", "%.3f") + "    cross-track max " +
+                      score_text(run, "cross_track_max_m", "%.2f m")};
   picture.meshes = scene_meshes(stage);
   picture.width_px = width_px;
   picture.height_px = width_px * 3 / 4;
@@ -136,8 +136,8 @@ render::Image scan_image(const RunFiles& run, const Scenario& scenario, const St
     moving.append(stage.world.actor_shapes[actor.shape], actor.pose_at(end));
   }
   render::ScanPicture picture;
-  picture.title = run.scenario + ": a scan of " + setup.spec.name + " at " +
-                  format("%.1f s", to_seconds(end));
+  picture.title =
+      run.scenario + ": a scan of " + setup.spec.name + " at " + format("%.1f s", to_seconds(end));
   picture.subtitle = {std::to_string(scan.points.size()) + " returns of " +
                       std::to_string(lidar.rays_per_scan()) + " rays"};
   picture.meshes = scene_meshes(stage);
@@ -150,8 +150,7 @@ render::Image scan_image(const RunFiles& run, const Scenario& scenario, const St
   picture.width_px = options.width_px;
   picture.height_px = options.width_px * 9 / 16;
   for (const LidarPoint& point : scan.points) {
-    const Pose T_map_lidar =
-        truth.pose_at(scan.start + Duration{point.time_ns}) * T_vehicle_lidar;
+    const Pose T_map_lidar = truth.pose_at(scan.start + Duration{point.time_ns}) * T_vehicle_lidar;
     picture.points.push_back(
         {.position = T_map_lidar * point.position(), .range_m = point.position().norm()});
   }
@@ -165,6 +164,13 @@ struct Curve {
   void add(double t, double v) {
     time_s.push_back(t);
     value.push_back(v);
+  }
+  /// An angle in (−180, 180]: the line breaks where it goes round.
+  void add_angle(double t, double v) {
+    if (!value.empty() && std::abs(v - value.back()) > 180.0) {
+      add(t, std::numeric_limits<double>::quiet_NaN());
+    }
+    add(t, v);
   }
 };
 
@@ -202,8 +208,8 @@ render::Image recorded_image(const RunFiles& run, const sim::RecordedTrack& trac
   const double nothing = std::numeric_limits<double>::quiet_NaN();
   for (const sim::RecordedTrack::Sample& sample : track.samples) {
     log_speed.add(sample.time_s, sample.speed_m_s);
-    log_course.add(sample.time_s,
-                   sample.speed_m_s > kCourseSpeed_m_s ? sample.course_rad / kDegree : nothing);
+    log_course.add_angle(
+        sample.time_s, sample.speed_m_s > kCourseSpeed_m_s ? sample.course_rad / kDegree : nothing);
     log_height.add(sample.time_s, sample.position.z() - scenario.route.recorded.antenna_height_m);
   }
   const sim::Trajectory truth = truth_curve(run);
@@ -212,9 +218,10 @@ render::Image recorded_image(const RunFiles& run, const sim::RecordedTrack& trac
     const double time_s = to_seconds(t) - set_off_s;
     const double speed_m_s = state.velocity_m_s.norm();
     speed.add(time_s, speed_m_s);
-    course.add(time_s, speed_m_s > kCourseSpeed_m_s
-                           ? std::atan2(state.velocity_m_s.y(), state.velocity_m_s.x()) / kDegree
-                           : nothing);
+    course.add_angle(time_s,
+                     speed_m_s > kCourseSpeed_m_s
+                         ? std::atan2(state.velocity_m_s.y(), state.velocity_m_s.x()) / kDegree
+                         : nothing);
     height.add(time_s, state.T_map_vehicle.translation.z());
   }
   const std::vector<render::ChartPanel> panels = {
@@ -227,8 +234,8 @@ render::Image recorded_image(const RunFiles& run, const sim::RecordedTrack& trac
 
 }  // namespace
 
-void draw_run(const std::filesystem::path& run_folder, const Scenario& scenario,
-              const Stage& stage, const PictureOptions& options) {
+void draw_run(const std::filesystem::path& run_folder, const Scenario& scenario, const Stage& stage,
+              const PictureOptions& options) {
   const RunFiles run = scenarios::load_run(run_folder);
   render::write_png(
       render::draw_trajectory(trajectory_picture(run, scenario, stage, options.width_px)),

@@ -54,9 +54,9 @@ void print_table(const scenarios::RunResult& result) {
     std::printf("\n");
   }
   const scenarios::Cost& cost = result.cost;
-  std::printf("\n%.1f s simulated in %.1f s: %.2f times real time; scan mean %.1f ms, p99 %.1f ms\n",
-              cost.simulated_s, cost.wall_s, cost.real_time_factor, cost.scan_ms_mean,
-              cost.scan_ms_p99);
+  std::printf(
+      "\n%.1f s simulated in %.1f s: %.2f times real time; scan mean %.1f ms, p99 %.1f ms\n",
+      cost.simulated_s, cost.wall_s, cost.real_time_factor, cost.scan_ms_mean, cost.scan_ms_p99);
   for (const auto& [stage, seconds] : cost.stages_s) {
     std::printf("  %-20s %6.1f s  %3.0f %%\n", stage.c_str(), seconds,
                 cost.wall_s > 0.0 ? 100.0 * seconds / cost.wall_s : 0.0);
@@ -72,11 +72,10 @@ int run(const RunArguments& arguments) {
   if (!arguments.localizer.empty()) overrides.push_back("localizer.kind=" + arguments.localizer);
 
   Progress progress(arguments.quiet);
-  const scenarios::Scenario scenario =
-      scenarios::load_scenario(arguments.scenario, overrides);
-  const std::filesystem::path out =
-      arguments.out.empty() ? std::filesystem::path("runs") / scenario.name
-                            : std::filesystem::path(arguments.out);
+  const scenarios::Scenario scenario = scenarios::load_scenario(arguments.scenario, overrides);
+  const std::filesystem::path out = arguments.out.empty()
+                                        ? std::filesystem::path("runs") / scenario.name
+                                        : std::filesystem::path(arguments.out);
   scenarios::prepare_output_folder(out);
 
   progress.begin("building the world");

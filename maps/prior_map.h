@@ -48,7 +48,7 @@ class PriorMap {
   /// All points within `radius_m` of `center` horizontally, relative to `center` rounded to whole
   /// metres. Empty where the map does not cover the place.
   [[nodiscard]] Crop crop(const Vector3d& center, double radius_m) const;
-  /// The same into `out`, whose memory is used again: half the time of a fresh one.
+  /// The same into `out`, whose memory is used again.
   void crop(const Vector3d& center, double radius_m, Crop& out) const;
   /// Tiles that a disc touches: no copy.
   [[nodiscard]] std::vector<const Tile*> tiles_within(const Vector3d& center,

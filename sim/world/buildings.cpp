@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
 
 #include "sim/world/facade.h"
 #include "sim/world/materials.h"

@@ -1,6 +1,7 @@
 #include "sim/world/facade.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sim/world/materials.h"

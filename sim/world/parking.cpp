@@ -11,6 +11,8 @@ namespace locsim::sim {
 namespace {
 
 constexpr double kHalfGap_m = 0.35;
+/// How far a car may stand beyond the pavement, where nothing else does.
+constexpr double kBeyondPavement_m = 0.6;
 
 CarShape draw_car(RandomSequence& random) {
   constexpr std::array kKinds = {CarKind::sedan,     CarKind::sedan,  CarKind::hatchback,
@@ -59,7 +61,7 @@ bool park(TownSite& site, const StreetSide& side, double s_m, const CarShape& sh
   // Traffic passes on streets of the route, and needs its 3.3 m.
   const double lane_m = street.carries_route ? 3.3 : 2.4;
   const double first_m = std::max(lane_m, side.kerb_m() - shape.width_m - 0.1);
-  const double last_m = side.frontage_m() - shape.width_m + 0.35;
+  const double last_m = side.frontage_m() - shape.width_m + kBeyondPavement_m;
   Vector2d axis = side.traffic_direction(s_m);
   if (random.chance(0.08)) axis = -axis;
   const double slip_m = random.uniform(0.0, 0.15);

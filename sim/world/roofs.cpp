@@ -1,6 +1,7 @@
 #include "sim/world/roofs.h"
 
 #include <algorithm>
+#include <array>
 
 #include "sim/world/materials.h"
 

@@ -1,5 +1,6 @@
 #include "sim/world/street_furniture.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "sim/world/buildings.h"
 #include "sim/world/materials.h"

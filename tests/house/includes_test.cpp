@@ -55,10 +55,11 @@ std::vector<Include> includes_below(const fs::path& root, const std::string& fol
 }
 
 std::vector<std::string> forbidden_includes(const fs::path& root) {
-  const std::regex quoted(R"(^\s*#\s*include\s*"([^"]+)")");
+  const std::regex quoted(R"re(^\s*#\s*include\s*"([^"]+)")re");
   std::vector<std::string> problems;
   for (const auto& [folder, allowed] : kAllowed) {
-    for (const Include& include : includes_below(root, folder.substr(0, folder.find('/')), quoted)) {
+    for (const Include& include :
+         includes_below(root, folder.substr(0, folder.find('/')), quoted)) {
       if (folder_of(include.file) != folder) continue;
       if (std::ranges::find(allowed, folder_of(include.included)) == allowed.end()) {
         problems.push_back(include.file + " includes " + include.included);
@@ -72,7 +73,7 @@ std::vector<std::string> forbidden_includes(const fs::path& root) {
 
 TEST(House, FoldersIncludeOnlyWhatTheyMayUse) {
   const fs::path root = LOCSIM_SOURCE_DIR;
-  const std::regex quoted(R"(^\s*#\s*include\s*"([^"]+)")");
+  const std::regex quoted(R"re(^\s*#\s*include\s*"([^"]+)")re");
   EXPECT_GT(includes_below(root, "localization", quoted).size(), 5U) << "nothing was searched";
   for (const std::string& problem : forbidden_includes(root)) ADD_FAILURE() << problem;
 }
@@ -115,7 +116,7 @@ TEST(House, OnlyScenariosReadYaml) {
 
 TEST(House, OnlyAppsPrint) {
   const fs::path root = LOCSIM_SOURCE_DIR;
-  const std::regex printing(R"((std::cout|std::cerr|\bprintf\(|\bputs\())");
+  const std::regex printing(R"re((std::cout|std::cerr|\bprintf\(|\bputs\())re");
   for (const char* folder : {"core", "maps", "localization", "sim", "scenarios", "render"}) {
     for (const Include& use : includes_below(root, folder, printing)) {
       ADD_FAILURE() << use.file << " uses " << use.included;

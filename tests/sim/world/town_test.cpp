@@ -163,7 +163,10 @@ TEST(Town, SameSeedSameHashOtherSeedOther) {
 }
 
 TEST(Town, HashSeesVerticesMaterialsAndColliders) {
-  const World world = build_town({}, straight_street(60.0, 0.0), 1, {});
+  TownConfig config;
+  config.parked_share = 0.8;
+  const World world = build_town(config, straight_street(150.0, 0.0), 1, {});
+  ASSERT_FALSE(world.parked_cars.empty());
   World other = world;
   EXPECT_EQ(other.hash(), world.hash());
   other.parked_cars.vertices.back().x() += 0.001F;
@@ -306,8 +309,6 @@ TEST(Town, WithoutBuildingsStillHasStructure) {
 }
 
 TEST(Town, HeightsStayWithinTheirLimits) {
-  TownConfig config;
-  config.building_height_m = {12.0, 15.0};
   const Layout layout = straight_street(200.0, 0.0);
   World world;
   TownSite site(layout, world);
