@@ -66,13 +66,27 @@ void print_table(const scenarios::RunResult& result) {
               result.hash().c_str());
 }
 
+/// The file's settings stay where it already names this localizer; another kind has other keys and
+/// starts from its defaults.
+scenarios::Scenario load_with_localizer(const std::string& file, std::vector<std::string> overrides,
+                                        const std::string& localizer) {
+  if (scenarios::load_scenario(file).localizer.kind != localizer) {
+    overrides.insert(overrides.begin(), "localizer={kind: " + localizer + "}");
+  }
+  return scenarios::load_scenario(file, overrides);
+}
+
 int run(const RunArguments& arguments) {
   std::vector<std::string> overrides = arguments.settings;
   if (!arguments.seed.empty()) overrides.push_back("seed=" + arguments.seed);
-  if (!arguments.localizer.empty()) overrides.push_back("localizer.kind=" + arguments.localizer);
+  scenarios::Scenario scenario;
+  if (arguments.localizer.empty()) {
+    scenario = scenarios::load_scenario(arguments.scenario, overrides);
+  } else {
+    scenario = load_with_localizer(arguments.scenario, overrides, arguments.localizer);
+  }
 
   Progress progress(arguments.quiet);
-  const scenarios::Scenario scenario = scenarios::load_scenario(arguments.scenario, overrides);
   const std::filesystem::path out = arguments.out.empty()
                                         ? std::filesystem::path("runs") / scenario.name
                                         : std::filesystem::path(arguments.out);

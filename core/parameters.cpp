@@ -24,7 +24,7 @@ std::string shortest(double value) {
 void Parameters::degrees(std::string_view key, double& value_rad, Bounds bounds) {
   double value_deg = value_rad / kDegree;
   // 17 digits of 0.1° in radians come back as 0.1°, so that what is written reads as it was given.
-  const double rounded = std::round(value_deg * 1e10) * 1e-10;
+  const double rounded = std::round(value_deg * 1e10) / 1e10;
   if (std::abs(rounded - value_deg) < 1e-12) value_deg = rounded;
   const double before = value_deg;
   number(key, value_deg, bounds);

@@ -144,8 +144,8 @@ TEST_F(Command, TruncatedScenarioIsNamedWithItsLine) {
 }
 
 TEST_F(Command, MissingRouteIsNamed) {
-  EXPECT_THAT(refusal(kFirstDrive + " --set route.kind=recorded --set route.file=" +
-                      (folder_ / "none.csv").string()),
+  EXPECT_THAT(refusal(kFirstDrive + " --set 'route={kind: recorded, file: " +
+                      (folder_ / "none.csv").string() + "}'"),
               AllOf(HasSubstr("route"), HasSubstr("none.csv")));
 }
 
@@ -154,7 +154,7 @@ TEST_F(Command, TruncatedRouteIsNamedWithItsLine) {
       write("cut.csv",
             "t_gps_s,latitude_deg,longitude_deg,height_m,velocity_north_m_s,velocity_east_m_s\n"
             "0,40,-105,1600,10,0\n1,40.0001,-105,1600,10");
-  EXPECT_THAT(refusal(kFirstDrive + " --set route.kind=recorded --set route.file=" + file.string()),
+  EXPECT_THAT(refusal(kFirstDrive + " --set 'route={kind: recorded, file: " + file.string() + "}'"),
               HasSubstr("cut.csv:3"));
 }
 
@@ -178,10 +178,10 @@ TEST_F(Command, TruncatedMapTileIsNamed) {
   }
   ASSERT_FALSE(tile.empty());
   fs::resize_file(tile, fs::file_size(tile) - 8);
-  EXPECT_THAT(refusal(kFirstDrive + " --set map.source=file --set map.file=" + map.string()),
+  EXPECT_THAT(refusal(kFirstDrive + " --set 'map={source: file, file: " + map.string() + "}'"),
               HasSubstr(tile.filename().string()));
   fs::remove(tile);
-  EXPECT_THAT(refusal(kFirstDrive + " --set map.source=file --set map.file=" + map.string()),
+  EXPECT_THAT(refusal(kFirstDrive + " --set 'map={source: file, file: " + map.string() + "}'"),
               HasSubstr(tile.filename().string()));
 }
 

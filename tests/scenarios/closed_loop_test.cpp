@@ -110,7 +110,7 @@ TEST(ClosedLoop, ARunWhoseMapIsElsewhereFails) {
   for (int i = 0; i < 10000; ++i) grid.emplace_back(30000.0 + i % 100, 30000.0 + i / 100, 0.0);
   maps::save(maps::PriorMap({}, grid), folder);
   const RunResult result =
-      short_drive({"map.source=file", "map.file=" + folder.string(), "duration_s=5"}, 2);
+      short_drive({"map={source: file, file: " + folder.string() + "}", "duration_s=5"}, 2);
   std::filesystem::remove_all(folder);
   EXPECT_FALSE(result.passed());
   EXPECT_EQ(value(result, "availability"), 0.0);

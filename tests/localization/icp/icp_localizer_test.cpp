@@ -294,6 +294,32 @@ TEST(IcpLocalizer, EmptyAndBrokenScansAreNotTracked) {
   }
 }
 
+TEST(IcpLocalizer, AScanThatMostlyMissesTheMapIsNotTracked) {
+  const auto localizer = make_localizer(street_map());
+  const Rig rig = make_rig();
+  const Sensors sensors(street(), Drive{}, rig);
+  for (int k = 0; k <= 3 * 200; ++k) {
+    const double t = 0.01 + k / 200.0;
+    localizer->add(sensors.imu(t));
+    if (k % 40 == 20) localizer->add(sensors.heading(t));
+    if (k % 40 == 20) localizer->add(sensors.gnss(t));
+    if (k % 20 != 0 || k == 0) continue;
+    LidarScan scan = sensors.scan(t, 360);
+    // Two thirds of the points where the map has nothing; the others fit as well as ever.
+    for (std::size_t i = 0; t > 2.0 && i < scan.points.size(); ++i) {
+      if (scan.points[i].time_ns < 66'000'000) scan.points[i].z_m += 25.0F;
+    }
+    localizer->add(scan);
+    ASSERT_TRUE(t < 1.0 || localizer->estimate());
+    if (t > 1.5 && t < 2.0) {
+      EXPECT_EQ(localizer->estimate()->state, State::tracking);
+    }
+    if (t > 2.5) {
+      EXPECT_NE(localizer->estimate()->state, State::tracking);
+    }
+  }
+}
+
 TEST(IcpLocalizer, SaysNothingBeforeAFirstGuess) {
   const auto localizer = make_localizer(street_map());
   EXPECT_FALSE(localizer->estimate());
