@@ -1,5 +1,6 @@
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/town.h"
 #include "maps/build/survey.h"
 #include "maps/prior_map.h"
 #include "maps/thin.h"
@@ -8,40 +9,20 @@ namespace {
 
 using namespace locsim;
 
-/// 1.5 km of ground and house fronts in 0.7 million triangles.
-const TriangleMesh& street() {
-  static const TriangleMesh mesh = [] {
-    TriangleMesh m;
-    const auto wall = [&](const Vector3d& corner, const Vector3d& u, const Vector3d& v, int nu,
-                          int nv) {
-      for (int i = 0; i < nu; ++i) {
-        for (int j = 0; j < nv; ++j) {
-          const Vector3d a = corner + i * u + j * v;
-          m.add_quad(a, a + u, a + u + v, a + v, 0);
-        }
-      }
-    };
-    wall({-750, -40, 0}, {1, 0, 0}, {0, 1, 0}, 1500, 80);
-    for (const double y : {-12.0, 12.0}) {
-      wall({-750, y, 0}, {0.5, 0, 0}, {0, 0, 0.5}, 3000, 30);
-      wall({-750, y, 15}, {1, 0, 0}, {0, y > 0 ? 1.0 : -1.0, 0}, 1500, 10);
-    }
-    return m;
-  }();
-  return mesh;
-}
-
 maps::PriorMap make_map() {
-  const TriangleMesh* meshes[] = {&street()};
-  return maps::build::survey(meshes, {}, {0.5, 0.5, 0.0}, 1);
+  const sim::World& world = benchmarks::town().world;
+  const TriangleMesh* meshes[] = {&world.ground, &world.structures};
+  return maps::build::survey(meshes, {}, {}, 1);
 }
 
 void survey(benchmark::State& state) {
-  benchmark::DoNotOptimize(street().triangles.size());
+  benchmark::DoNotOptimize(benchmarks::town().world.ground.triangles.size());
   std::size_t points = 0;
   for (auto _ : state) points = make_map().size();
   state.counters["points"] = static_cast<double>(points);
-  state.counters["triangles"] = static_cast<double>(street().triangles.size());
+  const sim::World& world = benchmarks::town().world;
+  state.counters["triangles"] =
+      static_cast<double>(world.ground.triangles.size() + world.structures.triangles.size());
 }
 BENCHMARK(survey)->Unit(benchmark::kMillisecond);
 
@@ -50,10 +31,16 @@ const maps::PriorMap& map() {
   return the_map;
 }
 
+/// Half way along the route.
+Vector3d place() {
+  const sim::Route& route = benchmarks::town().layout.route;
+  return route.at(0.5 * route.length_m()).position;
+}
+
 void crop_fresh(benchmark::State& state) {
   std::size_t points = map().size();
   for (auto _ : state) {
-    points = map().crop({3.7, 1.2, 0.0}, static_cast<double>(state.range(0))).points.size();
+    points = map().crop(place(), static_cast<double>(state.range(0))).points.size();
   }
   state.counters["points"] = static_cast<double>(points);
 }
@@ -61,13 +48,22 @@ BENCHMARK(crop_fresh)->Arg(60)->Arg(80)->Arg(100)->Unit(benchmark::kMicrosecond)
 
 void crop_into_buffer(benchmark::State& state) {
   maps::Crop crop;
-  for (auto _ : state) map().crop({3.7, 1.2, 0.0}, static_cast<double>(state.range(0)), crop);
+  for (auto _ : state) map().crop(place(), static_cast<double>(state.range(0)), crop);
   state.counters["points"] = static_cast<double>(crop.points.size());
 }
 BENCHMARK(crop_into_buffer)->Arg(60)->Arg(80)->Arg(100)->Unit(benchmark::kMicrosecond);
 
+/// What a localizer cuts out: the map thinned to a point every 0.4 m.
+void crop_thinned(benchmark::State& state) {
+  static const maps::PriorMap thinned = maps::thin(map(), 0.4);
+  maps::Crop crop;
+  for (auto _ : state) thinned.crop(place(), static_cast<double>(state.range(0)), crop);
+  state.counters["points"] = static_cast<double>(crop.points.size());
+}
+BENCHMARK(crop_thinned)->Arg(60)->Arg(75)->Arg(100)->Unit(benchmark::kMicrosecond);
+
 void tiles_within(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(map().tiles_within({3.7, 1.2, 0.0}, 80.0));
+  for (auto _ : state) benchmark::DoNotOptimize(map().tiles_within(place(), 80.0));
 }
 BENCHMARK(tiles_within)->Unit(benchmark::kMicrosecond);
 

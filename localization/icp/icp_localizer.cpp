@@ -128,10 +128,14 @@ void IcpLocalizer::step_health() {
   }
 }
 
-double IcpLocalizer::sigma_horizontal_m() const {
+Eigen::Matrix2d IcpLocalizer::covariance_xy_m2() const {
   const Matrix3d R = filter_->state().T_map_imu.rotation.toRotationMatrix();
   const Matrix3d in_map = R * filter_->covariance().topLeftCorner<3, 3>() * R.transpose();
-  const Eigen::Matrix2d c = in_map.topLeftCorner<2, 2>();
+  return in_map.topLeftCorner<2, 2>();
+}
+
+double IcpLocalizer::sigma_horizontal_m() const {
+  const Eigen::Matrix2d c = covariance_xy_m2();
   const double mean = 0.5 * c.trace();
   const double half_difference = 0.5 * (c(0, 0) - c(1, 1));
   return std::sqrt(mean + std::hypot(half_difference, c(0, 1)));
@@ -181,7 +185,8 @@ Pose IcpLocalizer::carried_on(const Pose& T_map_vehicle, const Pose& predicted) 
 void IcpLocalizer::search(std::span<const Vector3f> points, const Pose& predicted, Stamp time) {
   if (last_search_ && time - *last_search_ < kSearchAgain) return;
   last_search_ = time;
-  const PoseSearchResult found = search_pose(registration_, points, predicted, config_.search);
+  const PoseSearchResult found =
+      search_pose(registration_, points, predicted, covariance_xy_m2(), config_.search);
   if (found.ambiguous || !looks_good(found.best)) return;
 
   // The pose is taken from the search alone; velocity and biases are kept.

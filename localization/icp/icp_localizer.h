@@ -64,6 +64,7 @@ class IcpLocalizer final : public Localizer {
   void search(std::span<const Vector3f> points, const Pose& predicted, Stamp time);
   void track(std::span<const Vector3f> points, const Pose& predicted, Stamp time);
   [[nodiscard]] bool looks_good(const Registration& registration) const;
+  [[nodiscard]] Eigen::Matrix2d covariance_xy_m2() const;
   [[nodiscard]] double sigma_horizontal_m() const;
   /// The filter's pose from one at `predicted`'s time.
   [[nodiscard]] Pose carried_on(const Pose& T_map_vehicle, const Pose& predicted) const;

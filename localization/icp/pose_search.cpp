@@ -1,5 +1,6 @@
 #include "localization/icp/pose_search.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -25,15 +26,29 @@ bool are_distinct(const Pose& a, const Pose& b) {
   return between.translation.norm() > 1.0 || so3::log(between.rotation).norm() > 3.0 * kDegree;
 }
 
-std::vector<Pose> starts_about(const Pose& guess, const MapRegistration& registration,
-                               double scan_ground_m, const PoseSearchConfig& config) {
-  const int reach = static_cast<int>(std::floor(config.radius_m / config.step_m));
+/// Whether a start `offset` from the guess is worth a try.
+bool is_allowed(const Eigen::Vector2d& offset, const Eigen::Matrix2d& covariance_xy_m2,
+                const PoseSearchConfig& config) {
+  const double distance_m = offset.norm();
+  if (distance_m > config.radius_max_m) return false;
+  if (offset.cwiseAbs().maxCoeff() <= config.radius_min_m) return true;
+  const double squared = offset.dot(covariance_xy_m2.llt().solve(offset));
+  return squared <= config.sigmas * config.sigmas;
+}
+
+std::vector<Pose> starts_about(const Pose& guess, const Eigen::Matrix2d& covariance_xy_m2,
+                               const MapRegistration& registration, double scan_ground_m,
+                               const PoseSearchConfig& config) {
+  const double widest_m = std::max(config.radius_min_m, config.radius_max_m);
+  const int reach = static_cast<int>(std::floor(widest_m / config.step_m));
   const int turns = static_cast<int>(std::floor(config.yaw_rad / config.yaw_step_rad));
   std::vector<Pose> starts;
   for (int i = -reach; i <= reach; ++i) {
     for (int j = -reach; j <= reach; ++j) {
+      const Eigen::Vector2d offset(i * config.step_m, j * config.step_m);
+      if (!is_allowed(offset, covariance_xy_m2, config)) continue;
       Pose start = guess;
-      start.translation += Vector3d(i * config.step_m, j * config.step_m, 0.0);
+      start.translation.head<2>() += offset;
       const double z = registration.ground_height_m(start.translation) - scan_ground_m;
       if (std::isfinite(z)) start.translation.z() = z;
       for (int k = -turns; k <= turns; ++k) {
@@ -48,7 +63,9 @@ std::vector<Pose> starts_about(const Pose& guess, const MapRegistration& registr
 }  // namespace
 
 void PoseSearchConfig::describe(Parameters& p) {
-  p.number("radius_m", radius_m, {0.0, 50.0});
+  p.number("sigmas", sigmas, {0.0, 10.0});
+  p.number("radius_min_m", radius_min_m, {0.0, 50.0});
+  p.number("radius_max_m", radius_max_m, {0.0, 50.0});
   p.number("step_m", step_m, {0.5, 20.0});
   p.degrees("yaw_deg", yaw_rad, {0.0, 180.0});
   p.degrees("yaw_step_deg", yaw_step_rad, {0.5, 90.0});
@@ -56,14 +73,16 @@ void PoseSearchConfig::describe(Parameters& p) {
 }
 
 PoseSearchResult search_pose(MapRegistration& registration, std::span<const Vector3f> points,
-                             const Pose& guess, const PoseSearchConfig& config) {
+                             const Pose& guess, const Eigen::Matrix2d& covariance_xy_m2,
+                             const PoseSearchConfig& config) {
   std::vector<Vector3f> level(points.begin(), points.end());
   for (Vector3f& p : level) p = guess.rotation.cast<float>() * p;
   const double scan_ground_m = ground_height_m(level, Vector3f::Zero());
 
   const std::vector<Vector3f> few = every_nth(points, kCoarsePoints);
   std::vector<Registration> candidates;
-  for (const Pose& start : starts_about(guess, registration, scan_ground_m, config)) {
+  for (const Pose& start :
+       starts_about(guess, covariance_xy_m2, registration, scan_ground_m, config)) {
     candidates.push_back(registration.align(few, start, 3.0, 8, false));
   }
   std::ranges::stable_sort(candidates, {}, &Registration::cost_m2);

@@ -104,6 +104,9 @@ TEST(MapRegistration, LowOverlapDoesNotScoreWell) {
   EXPECT_GT(part.cost_m2, 4.0 * whole.cost_m2);
 }
 
+/// Of a guess that is good to a metre.
+const Eigen::Matrix2d kCloseBy = Eigen::Matrix2d::Identity();
+
 TEST(PoseSearch, FindsThePoseFromMetresAway) {
   const Street street;
   const maps::PriorMap map(kOrigin, street.survey());
@@ -115,10 +118,30 @@ TEST(PoseSearch, FindsThePoseFromMetresAway) {
   guess.translation += Vector3d(-3.5, 3.0, 6.0);
   guess.rotation = so3::exp({0, 0, -4.0 * kDegree}) * guess.rotation;
   ASSERT_TRUE(registration.move_to(guess.translation));
-  const PoseSearchResult found = search_pose(registration, points, guess, {});
+  const PoseSearchResult found = search_pose(registration, points, guess, kCloseBy, {});
   EXPECT_FALSE(found.ambiguous);
   EXPECT_LT(error_of(found.best.T_map_vehicle, truth).head<3>().norm(), 0.1);
   EXPECT_LT(error_of(found.best.T_map_vehicle, truth).tail<3>().norm(), 0.3 * kDegree);
+}
+
+TEST(PoseSearch, LooksAsFarAsTheGuessMayBeOff) {
+  const Street street;
+  const maps::PriorMap map(kOrigin, street.survey());
+  MapRegistration registration(map, {});
+  const Drive drive{.start_x_m = -20.0};
+  const Pose truth = drive.pose(0.5);
+  const std::vector<Vector3f> points = standing_scan(street, drive);
+  // 15 m along the street, of which the guess is known to 6 m: within three sigmas.
+  Pose guess = truth;
+  guess.translation.x() += 15.0;
+  ASSERT_TRUE(registration.move_to(guess.translation));
+  const auto error_m = [&](const Eigen::Matrix2d& covariance) {
+    const PoseSearchResult found = search_pose(registration, points, guess, covariance, {});
+    return error_of(found.best.T_map_vehicle, truth).head<3>().norm();
+  };
+  EXPECT_LT(error_m(Eigen::Vector2d(36.0, 4.0).asDiagonal()), 0.1);
+  // A guess that claims a metre is believed: the true place is not looked at.
+  EXPECT_GT(error_m(kCloseBy), 1.0);
 }
 
 TEST(PoseSearch, AbstainsInARowOfEqualHouses) {
@@ -135,7 +158,7 @@ TEST(PoseSearch, AbstainsInARowOfEqualHouses) {
   MapRegistration registration(map, {});
   ASSERT_TRUE(registration.move_to(Vector3d::Zero()));
   const PoseSearchResult found =
-      search_pose(registration, standing_scan(street, drive), drive.pose(0.5), {});
+      search_pose(registration, standing_scan(street, drive), drive.pose(0.5), kCloseBy, {});
   EXPECT_TRUE(found.ambiguous);
 }
 
