@@ -197,6 +197,7 @@ class ClosedLoop {
   sim::Gnss gnss_;
   sim::Magnetometer magnetometer_;
   sim::Faults faults_;
+  bool any_blackout_;
 
   localization::Rig rig_;
   std::unique_ptr<localization::Localizer> localizer_;
@@ -229,6 +230,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Stage& stage,
             scenario.seed),
       magnetometer_(scenario.sensors.magnetometer.spec, scenario.seed),
       faults_(scenario.faults),
+      any_blackout_(!faults_.intervals("lidar_blackout").empty()),
       rig_(make_rig(scenario.sensors)),
       localizer_(scenario.localizer.settings->make(
           {.rig = rig_, .map = std::move(map), .threads = options.threads})),
@@ -270,9 +272,9 @@ void ClosedLoop::sample_light_sensors(Stamp from) {
   std::vector<MagneticHeading> headings;
   magnetometer_.sample(trajectory_, from, now_, headings);
   std::vector<GnssFix> fixes;
-  const bool outage = faults_.active("gnss_outage", now_);
   const auto is_blocked = [&](const Vector3d& origin, const Vector3d& direction, Stamp time) {
-    return outage || scene_.is_blocked(origin, direction, kSkyReach_m, time);
+    return faults_.active("gnss_outage", time) ||
+           scene_.is_blocked(origin, direction, kSkyReach_m, time);
   };
   gnss_.sample(trajectory_, is_blocked, frame_, from, now_, fixes);
 
@@ -287,8 +289,12 @@ void ClosedLoop::cast_lidars() {
   CostTimer timer(record_.cost.lidar_s);
   for (MountedLidar& mounted : lidars_) {
     if (now_ <= mounted.cast_to) continue;
-    if (!faults_.active("lidar_blackout", mounted.cast_to)) {
-      mounted.lidar.cast(scene_, trajectory_, mounted.cast_to, now_, *mounted.scan);
+    LidarScan& scan = *mounted.scan;
+    mounted.lidar.cast(scene_, trajectory_, mounted.cast_to, now_, scan);
+    if (any_blackout_) {
+      std::erase_if(scan.points, [&](const LidarPoint& point) {
+        return faults_.active("lidar_blackout", scan.start + Duration{point.time_ns});
+      });
     }
     mounted.cast_to = now_;
   }
@@ -299,9 +305,9 @@ void ClosedLoop::deliver_finished_scans() {
     if (now_ < mounted.scan->end) continue;
     if (!mounted.scan->points.empty()) {
       record_.scan_times.push_back(now_);
-      inbox_.emplace_back(std::move(mounted.scan));
+      inbox_.emplace_back(mounted.scan);
     }
-    mounted.begin_scan(now_);
+    mounted.begin_scan(mounted.scan->end);
   }
 }
 
