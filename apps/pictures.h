@@ -10,7 +10,7 @@ namespace locsim::apps {
 
 struct PictureOptions {
   int width_px = 1600;
-  /// When the scan of scan.png ends [s]; where the car moves about midway if not given.
+  /// When the scan of scan.png ends [s]; the middle of the run if not given.
   std::optional<double> scan_at_s;
 };
 

@@ -56,9 +56,10 @@ void print_table(const scenarios::RunResult& result) {
   const scenarios::Cost& cost = result.cost;
   std::printf(
       "\n%.1f s simulated in %.1f s: %.2f times real time; scan mean %.1f ms, p99 %.1f ms\n",
-      cost.simulated_s, cost.wall_s, cost.real_time_factor, cost.scan_ms_mean, cost.scan_ms_p99);
+      cost.simulated_s, cost.wall_s, cost.real_time_factor, cost.scan_ms_mean.value_or(0.0),
+      cost.scan_ms_p99.value_or(0.0));
   for (const auto& [stage, seconds] : cost.stages_s) {
-    std::printf("  %-20s %6.1f s  %3.0f %%\n", stage.c_str(), seconds,
+    std::printf("  %-24s %6.1f s  %3.0f %%\n", stage.c_str(), seconds,
                 cost.wall_s > 0.0 ? 100.0 * seconds / cost.wall_s : 0.0);
   }
   std::printf("\n%s: %s   seed %llu   hash %s\n", result.scenario.c_str(),
@@ -70,7 +71,7 @@ void print_table(const scenarios::RunResult& result) {
 /// starts from its defaults.
 scenarios::Scenario load_with_localizer(const std::string& file, std::vector<std::string> overrides,
                                         const std::string& localizer) {
-  if (scenarios::load_scenario(file).localizer.kind != localizer) {
+  if (scenarios::load_scenario(file, overrides).localizer.kind != localizer) {
     overrides.insert(overrides.begin(), "localizer={kind: " + localizer + "}");
   }
   return scenarios::load_scenario(file, overrides);
@@ -107,7 +108,13 @@ int run(const RunArguments& arguments) {
       scenario, stage, scenarios::run_closed_loop(scenario, stage, map, options));
   progress.begin("writing " + out.string());
   scenarios::write_results(result, out, [&](const std::filesystem::path& folder) {
-    if (arguments.pictures) draw_run(folder, scenario, stage, {});
+    if (!arguments.pictures) return;
+    try {
+      draw_run(folder, scenario, stage, {});
+    } catch (const std::exception& error) {
+      // The run is worth more than its pictures.
+      std::fprintf(stderr, "warning: no pictures: %s\n", error.what());
+    }
   });
   progress.end();
 

@@ -31,8 +31,6 @@ namespace {
 using localization::Estimate;
 using localization::State;
 
-/// Period of the driver, and of what the sensors but the LIDAR are sampled in.
-constexpr Duration kControlPeriod{10'000'000};
 /// Nothing farther than this blocks a satellite.
 constexpr double kSkyReach_m = 300.0;
 
@@ -290,7 +288,9 @@ void ClosedLoop::cast_lidars() {
   for (MountedLidar& mounted : lidars_) {
     if (now_ <= mounted.cast_to) continue;
     LidarScan& scan = *mounted.scan;
-    mounted.lidar.cast(scene_, trajectory_, mounted.cast_to, now_, scan);
+    // Isolated, or this thread might take up the localizer's task while it waits for its rays.
+    tbb::this_task_arena::isolate(
+        [&] { mounted.lidar.cast(scene_, trajectory_, mounted.cast_to, now_, scan); });
     if (any_blackout_) {
       std::erase_if(scan.points, [&](const LidarPoint& point) {
         return faults_.active("lidar_blackout", scan.start + Duration{point.time_ns});
@@ -301,14 +301,21 @@ void ClosedLoop::cast_lidars() {
 }
 
 void ClosedLoop::deliver_finished_scans() {
+  // The LIDARs of a rig turn together: their points are one scan, in the order they were fired.
+  const std::shared_ptr<LidarScan> merged = lidars_.front().scan;
   for (MountedLidar& mounted : lidars_) {
-    if (now_ < mounted.scan->end) continue;
-    if (!mounted.scan->points.empty()) {
-      record_.scan_times.push_back(now_);
-      inbox_.emplace_back(mounted.scan);
+    if (mounted.scan != merged) {
+      const auto middle = static_cast<std::ptrdiff_t>(merged->points.size());
+      merged->points.insert(merged->points.end(), mounted.scan->points.begin(),
+                            mounted.scan->points.end());
+      std::ranges::inplace_merge(merged->points, merged->points.begin() + middle, {},
+                                 &LidarPoint::time_ns);
     }
-    mounted.begin_scan(mounted.scan->end);
+    mounted.begin_scan(merged->end);
   }
+  if (merged->points.empty()) return;
+  record_.scan_times.push_back(now_);
+  inbox_.emplace_back(merged);
 }
 
 void ClosedLoop::tick() {

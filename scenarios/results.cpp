@@ -105,8 +105,8 @@ void write_file(const fs::path& file, const std::string& content) {
 }
 
 Json cost_json(const Cost& cost) {
-  Json json = {{"scan_ms_mean", cost.scan_ms_mean},
-               {"scan_ms_p99", cost.scan_ms_p99},
+  Json json = {{"scan_ms_mean", to_json(cost.scan_ms_mean)},
+               {"scan_ms_p99", to_json(cost.scan_ms_p99)},
                {"real_time_factor", cost.real_time_factor},
                {"wall_s", cost.wall_s},
                {"simulated_s", cost.simulated_s}};

@@ -19,8 +19,8 @@ namespace locsim::scenarios {
 /// What computing a run cost. Differs from run to run, so no hash covers it.
 struct Cost {
   /// Of the localizer for a scan.
-  double scan_ms_mean = 0.0;
-  double scan_ms_p99 = 0.0;
+  std::optional<double> scan_ms_mean;
+  std::optional<double> scan_ms_p99;
   /// Simulated time over wall time.
   double real_time_factor = 0.0;
   double wall_s = 0.0;

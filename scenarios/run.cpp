@@ -1,20 +1,13 @@
 #include "scenarios/run.h"
 
-#include <algorithm>
 #include <numeric>
 #include <utility>
+
+#include "scenarios/scoring/accuracy.h"
 
 namespace locsim::scenarios {
 
 namespace {
-
-/// Nearest-rank percentile of `values`, 0 where there are none.
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(rank));
-  return values[rank];
-}
 
 Cost summarise(const RunCost& cost, double simulated_s) {
   Cost summary;
@@ -22,16 +15,18 @@ Cost summarise(const RunCost& cost, double simulated_s) {
   if (!scans.empty()) {
     summary.scan_ms_mean =
         std::accumulate(scans.begin(), scans.end(), 0.0) / static_cast<double>(scans.size());
+    summary.scan_ms_p99 = nearest_rank(scans, 0.99);
   }
-  summary.scan_ms_p99 = percentile(scans, 0.99);
   summary.wall_s = cost.total_s;
   summary.simulated_s = simulated_s;
   summary.real_time_factor = cost.total_s > 0.0 ? simulated_s / cost.total_s : 0.0;
-  summary.stages_s = {{"vehicle", cost.vehicle_s},
-                      {"lidar", cost.lidar_s},
-                      {"other sensors", cost.other_sensors_s},
-                      {"waiting for localizer", cost.waiting_s},
-                      {"localizer (beside)", cost.localizer_s}};
+  const double simulator_s = cost.vehicle_s + cost.lidar_s + cost.other_sensors_s + cost.waiting_s;
+  summary.stages_s = {{"vehicle_s", cost.vehicle_s},
+                      {"lidar_s", cost.lidar_s},
+                      {"other_sensors_s", cost.other_sensors_s},
+                      {"waiting_for_localizer_s", cost.waiting_s},
+                      {"rest_s", cost.total_s - simulator_s},
+                      {"localizer_beside_s", cost.localizer_s}};
   return summary;
 }
 
@@ -50,8 +45,10 @@ RunResult score_record(const Scenario& scenario, const Stage& stage, RunRecord r
                    .events = events,
                    .route = &stage.route,
                    .vehicle_half_width_m = 0.5 * vehicle.width_m,
-                   .collisions = record.collisions};
-  if (!record.scan_times.empty()) input.first_scan = record.scan_times.front();
+                   .route_completed = record.route_finished,
+                   .scan_times = record.scan_times};
+  // A mesh world has nothing that the car's body could touch: then nobody knows.
+  if (!stage.world.colliders.empty()) input.collisions = record.collisions;
 
   RunResult result;
   result.scores = score_run(input);

@@ -27,6 +27,9 @@
 
 namespace locsim::scenarios {
 
+/// Period of the driver, and in which all sensors but the LIDARs are sampled.
+inline constexpr Duration kControlPeriod{10'000'000};
+
 /// What stands around the road.
 struct WorldSetup {
   /// "town" or "mesh".

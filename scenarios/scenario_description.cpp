@@ -71,7 +71,8 @@ void ScenarioDescription::describe(Scenario& scenario) {
   p_.text("about", scenario.about);
   unsigned_integer("seed", scenario.seed);
   p_.number("duration_s", scenario.duration_s, {.min = 0.0, .max = 1e5});
-  p_.number("latency_s", scenario.latency_s, {.min = 0.0, .max = 1.0});
+  // The driver acts every 10 ms; nothing reaches it sooner.
+  p_.number("latency_s", scenario.latency_s, {.min = 0.01, .max = 1.0});
   const auto group = [this](std::string_view key, auto& setup) {
     p_.begin_group(key);
     describe(setup);
@@ -83,6 +84,7 @@ void ScenarioDescription::describe(Scenario& scenario) {
   p_.group("traffic", scenario.traffic);
   group("sensors", scenario.sensors);
   check_imu_rate(scenario);
+  check_lidar_rates(scenario);
   p_.list("faults", scenario.faults);
   group("map", scenario.map);
   group("localizer", scenario.localizer);
@@ -206,6 +208,27 @@ void ScenarioDescription::check_imu_rate(const Scenario& scenario) {
     p_.begin_group("imu");
     p_.fail("rate_hz", message.substr(std::min(message.find("is "), message.size())));
   }
+}
+
+void ScenarioDescription::check_lidar_rates(const Scenario& scenario) {
+  if (reader_ == nullptr) return;
+  const std::vector<LidarSetup>& lidars = scenario.sensors.lidar;
+  std::string problem;
+  std::size_t where = 0;
+  for (std::size_t i = 0; i < lidars.size() && problem.empty(); ++i) {
+    where = i;
+    const std::string rate = "is " + shortest_text(lidars[i].spec.rate_hz);
+    if (lidars[i].spec.period() % kControlPeriod != Duration::zero()) {
+      problem = rate + ", needs a revolution of whole 10 ms: 5, 10, 20, 25 or 50";
+    } else if (lidars[i].spec.period() != lidars[0].spec.period()) {
+      problem = rate + ", needs the rate of the first LIDAR: they turn together";
+    }
+  }
+  if (problem.empty()) return;
+  p_.begin_group("sensors");
+  static_cast<void>(p_.begin_list("lidar", lidars.size()));
+  p_.begin_item(where);
+  p_.fail("rate_hz", problem);
 }
 
 void ScenarioDescription::describe(MapSetup& map) {

@@ -1,6 +1,10 @@
 #include "scenarios/stage.h"
 
 #include <array>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <string>
 #include <utility>
 
 #include "core/error.h"
@@ -19,6 +23,24 @@ namespace {
 constexpr double kStartAllowance_s = 30.0;
 /// How much longer than scheduled a drive may take.
 constexpr double kScheduleAllowance = 1.2;
+
+std::string text_of(const GeodeticPoint& point) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "%.9f deg, %.9f deg, %.3f m",
+                point.latitude_rad / kDegree, point.longitude_rad / kDegree, point.height_m);
+  return text.data();
+}
+
+/// The localizer works in the map's frame, the car drives in the world's.
+void check_same_origin(const maps::PriorMap& map, const GeodeticPoint& origin,
+                       const std::filesystem::path& file) {
+  constexpr double kTolerance_m = 1e-3;
+  if (LocalFrame(origin).to_map(map.geodetic_origin()).norm() <= kTolerance_m) return;
+  throw InputError(file.string() + ": the map's origin is " + text_of(map.geodetic_origin()) +
+                   ", the world's " + text_of(origin) +
+                   "; take a map of this world or set world.origin to the map's");
+}
 
 }  // namespace
 
@@ -42,7 +64,9 @@ Stage build_stage(const Scenario& scenario) {
 
 std::shared_ptr<const maps::PriorMap> build_map(const Scenario& scenario, const Stage& stage) {
   if (scenario.map.source == "file") {
-    return std::make_shared<const maps::PriorMap>(maps::load(scenario.map.file));
+    auto map = std::make_shared<const maps::PriorMap>(maps::load(scenario.map.file));
+    check_same_origin(*map, stage.world.origin, scenario.map.file);
+    return map;
   }
   const std::array<const TriangleMesh*, 2> standing = {&stage.world.ground,
                                                        &stage.world.structures};
@@ -58,6 +82,7 @@ double time_limit_s(const Scenario& scenario, const Stage& stage) {
 }
 
 std::vector<sim::Actor> build_traffic(const Scenario& scenario, const Stage& stage) {
+  if (stage.world.actor_shapes.empty()) return {};
   return sim::make_traffic(scenario.traffic, stage.route, stage.world, scenario.seed, Stamp{},
                            stamp_from_seconds(time_limit_s(scenario, stage)));
 }

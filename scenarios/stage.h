@@ -31,7 +31,7 @@ struct Stage {
 /// When a run ends at the latest [s]: the scenario's duration, or the route's with an allowance.
 [[nodiscard]] double time_limit_s(const Scenario& scenario, const Stage& stage);
 
-/// The moving actors of the whole run.
+/// The moving actors of the whole run; none where the world has no shapes for them (a mesh).
 [[nodiscard]] std::vector<sim::Actor> build_traffic(const Scenario& scenario, const Stage& stage);
 
 }  // namespace locsim::scenarios

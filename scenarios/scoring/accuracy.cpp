@@ -39,15 +39,21 @@ std::optional<double> normalised_error_squared(const Vector3d& error, const Matr
 
 }  // namespace
 
+double nearest_rank(std::vector<double> values, double share) {
+  // ⌈share·n⌉, where 0.95·20 must not become 19.000000000000004.
+  const double count = share * static_cast<double>(values.size()) - 1e-9;
+  const auto rank = static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(count)));
+  std::ranges::nth_element(values, values.begin() + rank - 1);
+  return values[static_cast<std::size_t>(rank - 1)];
+}
+
 ErrorStatistics error_statistics(std::vector<double> values) {
   if (values.empty()) return {};
   double sum_of_squares = 0.0;
   for (const double value : values) sum_of_squares += value * value;
-  const std::size_t rank = (values.size() * 95 + 99) / 100;  // ⌈0.95 n⌉
-  std::ranges::sort(values);
   return {.rmse = std::sqrt(sum_of_squares / static_cast<double>(values.size())),
-          .p95 = values[rank - 1],
-          .max = values.back()};
+          .p95 = nearest_rank(values, 0.95),
+          .max = *std::ranges::max_element(values)};
 }
 
 Accuracy accuracy(const EstimateErrors& errors) {

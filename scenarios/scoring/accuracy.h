@@ -8,6 +8,9 @@
 
 namespace locsim::scenarios {
 
+/// The smallest of `values` that at least `share` of them do not exceed; of at least one value.
+[[nodiscard]] double nearest_rank(std::vector<double> values, double share);
+
 /// Root mean square, 95th percentile and maximum of a set of errors, in their unit.
 struct ErrorStatistics {
   std::optional<double> rmse;

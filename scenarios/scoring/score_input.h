@@ -35,8 +35,11 @@ struct ScoreInput {
   double vehicle_half_width_m = 0.92;
   /// Unknown: not evaluated.
   std::optional<std::int64_t> collisions = std::nullopt;
-  /// When the first scan was delivered; the start of the drive where unknown.
-  std::optional<Stamp> first_scan = std::nullopt;
+  /// Whether the car reached the route's end. Unknown: not evaluated.
+  std::optional<bool> route_completed = std::nullopt;
+  /// When usable scans were delivered, ascending: relocalization counts from the first after an
+  /// event, or of the drive. Empty where unknown: then from the event's end, or the drive's start.
+  std::span<const Stamp> scan_times = {};
   /// An estimate stands until the next one, but no longer than this: then the localizer has
   /// fallen silent.
   Duration estimate_lifetime{250'000'000};

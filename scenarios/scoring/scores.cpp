@@ -25,6 +25,8 @@ struct Evaluation {
   Relocalization relocalization = {};
   std::optional<RoadKeeping> road_keeping = {};
   std::optional<std::int64_t> collisions = {};
+  std::optional<bool> route_completed = {};
+  std::optional<double> distance_m = {};
 };
 
 struct ScoreDefinition {
@@ -88,6 +90,13 @@ constexpr std::array kDefinitions = {
                       if (!e.collisions) return std::nullopt;
                       return static_cast<double>(*e.collisions);
                     }},
+    ScoreDefinition{{"route_completed", "1 where the car reached the route's end, otherwise 0"},
+                    [](const E& e) -> Value {
+                      if (!e.route_completed) return std::nullopt;
+                      return *e.route_completed ? 1.0 : 0.0;
+                    }},
+    ScoreDefinition{{"distance_m", "driven, horizontally"},
+                    [](const E& e) -> Value { return e.distance_m; }},
 };
 
 constexpr std::array<ScoreKind, kDefinitions.size()> kinds() {
@@ -113,11 +122,28 @@ Relocalization worst_relocalization(std::span<const EventResult> events) {
           .distance_m = worst(events, &EventResult::relocalization_distance_m)};
 }
 
+/// The first usable scan from `time` on; `time` itself where no scan is known.
+Stamp first_scan_from(Stamp time, std::span<const Stamp> scan_times) {
+  const auto found = std::ranges::lower_bound(scan_times, time);
+  return found == scan_times.end() ? time : *found;
+}
+
+double driven_m(std::span<const TruthSample> truth) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    const Vector3d step =
+        truth[i].T_map_vehicle.translation - truth[i - 1].T_map_vehicle.translation;
+    sum += step.head<2>().norm();
+  }
+  return sum;
+}
+
 std::vector<EventResult> evaluate_events(const ScoreInput& input, const EstimateErrors& errors) {
   std::vector<EventResult> results;
   for (const ScoreEvent& event : input.events) {
     if (errors.track().empty() || event.from > errors.track().end()) continue;
-    const Relocalization found = relocalization(errors, event.until);
+    const Relocalization found =
+        relocalization(errors, first_scan_from(event.until, input.scan_times));
     results.push_back({.event = event,
                        .outage_drift_percent = outage_drift_percent(errors, event),
                        .relocalization_s = found.time_s,
@@ -160,10 +186,12 @@ RunScores score_run(const ScoreInput& input) {
     evaluation.outage_drift_percent = worst(result.events, &EventResult::outage_drift_percent);
     evaluation.relocalization =
         result.events.empty()
-            ? relocalization(errors, input.first_scan.value_or(errors.track().start()))
+            ? relocalization(errors, first_scan_from(errors.track().start(), input.scan_times))
             : worst_relocalization(result.events);
     evaluation.road_keeping = road_keeping(input);
     evaluation.collisions = input.collisions;
+    evaluation.route_completed = input.route_completed;
+    evaluation.distance_m = driven_m(input.truth);
   }
   for (const ScoreDefinition& definition : kDefinitions) {
     std::optional<double> value = definition.value(evaluation);

@@ -61,8 +61,6 @@ class Driver {
 
   /// When the first view came.
   [[nodiscard]] std::optional<Stamp> set_off_at() const { return set_off_; }
-  /// Where along the route the driver believes to be, and how far left of the lane's middle.
-  [[nodiscard]] const RouteProjection& place() const { return place_; }
   /// True once the car stands at the end of the route.
   [[nodiscard]] bool finished() const { return finished_; }
 

@@ -19,11 +19,11 @@ namespace locsim::sim {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kShortestM = 50.0;
+constexpr double kShortest_m = 50.0;
 // Below this speed the direction of motion is noise [m/s].
-constexpr double kCourseSpeedMS = 0.3;
+constexpr double kCourseSpeed_m_s = 0.3;
 // Positions are differenced over so long before and after [s].
-constexpr double kDifferenceS = 0.25;
+constexpr double kDifference_s = 0.25;
 // What a position without a fixed ambiguity counts with, against its own sigma.
 constexpr double kFloatFactor = 10.0;
 
@@ -180,7 +180,7 @@ TumPose read_tum_pose(const Line& line) {
 void move_by_positions(std::vector<TumPose>& poses) {
   double course = poses.front().yaw_rad;
   const auto apart = [&](std::size_t a, std::size_t b) {
-    return b > a && poses[b].sample.time_s - poses[a].sample.time_s >= kDifferenceS;
+    return b > a && poses[b].sample.time_s - poses[a].sample.time_s >= kDifference_s;
   };
   for (std::size_t i = 0; i < poses.size(); ++i) {
     std::size_t first = i;
@@ -192,7 +192,7 @@ void move_by_positions(std::vector<TumPose>& poses) {
     const Vector3d step = after.position - before.position;
     auto& sample = poses[i].sample;
     sample.speed_m_s = step.head<2>().norm() / (after.time_s - before.time_s);
-    if (sample.speed_m_s > kCourseSpeedMS) {
+    if (sample.speed_m_s > kCourseSpeed_m_s) {
       course = std::atan2(step.y(), step.x());
       if (std::abs(wrap_angle(course - poses[i].yaw_rad)) > 0.5 * std::numbers::pi) {
         poses[i].line.fail("the vehicle moves against its heading; only forward drives can be run");
@@ -262,10 +262,10 @@ RecordedTrack load_recorded_track(const std::filesystem::path& path,
     sample.time_s -= start_s;
     if (i == 0) continue;
     const auto& before = track.samples[i - 1];
-    if (sample.speed_m_s < kCourseSpeedMS) sample.course_rad = before.course_rad;
+    if (sample.speed_m_s < kCourseSpeed_m_s) sample.course_rad = before.course_rad;
     length += 0.5 * (sample.speed_m_s + before.speed_m_s) * (sample.time_s - before.time_s);
   }
-  if (length < kShortestM) {
+  if (length < kShortest_m) {
     line.fail("the track is " + std::to_string(length) + " m long; at least 50 m are needed");
   }
   return track;

@@ -119,6 +119,21 @@ TEST_F(Command, ValueOutOfRangeIsNamedWithItsLimits) {
               AllOf(HasSubstr("bad.yaml:3"), HasSubstr("resolution_m"), HasSubstr("-1")));
 }
 
+TEST_F(Command, LidarRateThatTheLoopCannotKeepIsRefused) {
+  EXPECT_THAT(refusal(kFirstDrive + " --set sensors.lidar.0.rate_hz=15"),
+              AllOf(HasSubstr("rate_hz"), HasSubstr("15"), HasSubstr("10 ms")));
+}
+
+TEST_F(Command, RecordedDriveWithoutItsLogNamesTheKey) {
+  const std::string recorded =
+      std::string(LOCSIM_SOURCE_DIR) + "/scenarios/library/recorded_drive.yaml";
+  EXPECT_THAT(refusal(recorded),
+              AllOf(HasSubstr("recorded_drive.yaml:6"), HasSubstr("route.file")));
+  EXPECT_THAT(
+      refusal(recorded + " --localizer icp --set route.file=" + (folder_ / "none.csv").string()),
+      HasSubstr("none.csv"));
+}
+
 TEST_F(Command, UnknownLocalizerNamesThoseThereAre) {
   EXPECT_THAT(refusal(kFirstDrive + " --localizer magic"),
               AllOf(HasSubstr("magic"), HasSubstr("icp")));

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "scenarios/run.h"
 
 namespace locsim::scenarios {
@@ -99,6 +100,70 @@ TEST(ClosedLoop, EstimatesReachTheDriverOnlyAfterTheirLatency) {
   const double late_s = sets_off_s(short_drive({"latency_s=0.55"}, 2));
   // Truth is sampled at the ticks, every 0.1 s.
   EXPECT_NEAR(late_s - soon_s, 0.5, 0.11);
+}
+
+TEST(ClosedLoop, FirstDriveMeetsWhatItExpects) {
+  const RunResult result = drive("first_drive.yaml", {});
+  EXPECT_GE(to_seconds(result.truth.back().time), 120.0);
+  EXPECT_GE(value(result, "distance_m"), 1000.0);
+  EXPECT_GE(result.criteria.size(), 5U);
+  for (const CriterionResult& criterion : result.criteria) {
+    EXPECT_TRUE(criterion.passed) << criterion.criterion.score << " " << criterion.criterion.text
+                                  << ", is " << criterion.value.value_or(std::nan(""));
+  }
+}
+
+TEST(ClosedLoop, TwoLidarsGiveOneScanThatTheLocalizerUses) {
+  const RunResult one = short_drive({"duration_s=5"}, 2);
+  const RunResult two = short_drive({"duration_s=5",
+                                     "sensors.lidar=[{preset: hdl32e, mount: roof}, "
+                                     "{preset: hdl64e, mount: roof}]"},
+                                    2);
+  EXPECT_NE(two.hash(), one.hash());
+  EXPECT_EQ(two.cost.scan_ms_mean.has_value(), true);
+  EXPECT_LT(value(two, "ate_rmse_m"), 0.1);
+  EXPECT_EQ(value(two, "false_fix_s"), 0.0);
+}
+
+TEST(ClosedLoop, ARecordedTrackIsDrivenAtItsSpeed) {
+  // 20 s at rest are cut short: 3 s, then up to 8 m/s along an arc of 60 m radius.
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "locsim_recorded_arc.tum";
+  {
+    std::ofstream out(file);
+    double s_m = 0.0;
+    for (int i = 0; i <= 100; ++i) {
+      const double t_s = 0.25 * i;
+      const double speed_m_s = std::clamp(1.6 * (t_s - 3.0), 0.0, 8.0);
+      const double angle = s_m / 60.0;
+      out << t_s << ' ' << 60.0 * std::sin(angle) << ' ' << 60.0 * (1.0 - std::cos(angle))
+          << " 0 0 0 " << std::sin(0.5 * angle) << ' ' << std::cos(0.5 * angle) << '\n';
+      s_m += 0.25 * speed_m_s;
+    }
+  }
+  const RunResult result = drive("recorded_drive.yaml",
+                                 {"route={kind: recorded, file: " + file.string() + "}",
+                                  "expect={ate_rmse_m: \"< 0.1\", cross_track_max_m: \"< 0.3\"}"});
+  std::filesystem::remove(file);
+  EXPECT_TRUE(result.passed());
+  double fastest_m_s = 0.0;
+  for (const TruthSample& sample : result.truth) {
+    fastest_m_s = std::max(fastest_m_s, sample.velocity_m_s.norm());
+  }
+  // The driver may hurry by 12 % to make good what the start took.
+  EXPECT_GT(fastest_m_s, 7.6);
+  EXPECT_LT(fastest_m_s, 9.0);
+}
+
+TEST(ClosedLoop, AMapOfAnotherOriginIsRefused) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "locsim_map_of_another_origin";
+  std::filesystem::remove_all(folder);
+  const std::vector<Vector3d> points(1, Vector3d::Zero());
+  maps::save(maps::PriorMap({.latitude_rad = 1e-5}, points), folder);
+  EXPECT_THROW((void)short_drive({"map={source: file, file: " + folder.string() + "}"}, 1),
+               InputError);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(ClosedLoop, ARunWhoseMapIsElsewhereFails) {

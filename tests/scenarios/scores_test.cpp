@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <set>
 
@@ -38,7 +39,9 @@ TEST(Scores, HoldEveryNameOnce) {
                            "anees_rotation",
                            "cross_track_max_m",
                            "lane_departures",
-                           "collisions"}) {
+                           "collisions",
+                           "route_completed",
+                           "distance_m"}) {
     EXPECT_NE(std::ranges::find(names, name), names.end()) << name;
   }
 }
@@ -48,7 +51,9 @@ TEST(Scores, OfADriveByHand) {
   for (auto& estimate : drive.estimates) estimate.T_map_vehicle.translation.y() = 0.3;
   ScoreInput input = drive.input();
   input.collisions = 2;
-  input.first_scan = tenth(5);
+  const std::array scan_times = {tenth(5), tenth(6)};
+  input.scan_times = scan_times;
+  input.route_completed = false;
   const RunScores scores = score_run(input);
   EXPECT_TRUE(scores.any_estimate);
   EXPECT_NEAR(scores.value("ate_rmse_m").value(), 0.3, 1e-12);
@@ -59,6 +64,11 @@ TEST(Scores, OfADriveByHand) {
   EXPECT_EQ(scores.value("false_fix_s").value(), 0.0);
   EXPECT_NEAR(scores.value("anees_position").value(), 0.03, 1e-12);  // 0.3² / 3
   EXPECT_EQ(scores.value("collisions").value(), 2.0);
+  EXPECT_EQ(scores.value("route_completed").value(), 0.0);
+  const Vector3d whole_way =
+      drive.truth.back().T_map_vehicle.translation - drive.truth.front().T_map_vehicle.translation;
+  EXPECT_GT(whole_way.norm(), 10.0);
+  EXPECT_NEAR(scores.value("distance_m").value(), whole_way.norm(), 1e-9);
   EXPECT_FALSE(scores.value("cross_track_max_m").has_value());     // there is no route
   EXPECT_FALSE(scores.value("outage_drift_percent").has_value());  // there is no outage
   EXPECT_FALSE(scores.value("no_such_score").has_value());
