@@ -64,10 +64,15 @@ std::optional<Guess> InitialGuess::make() const {
   force /= static_cast<double>(samples_.size());
   rate /= static_cast<double>(samples_.size());
   if (force.norm() < 0.5 * kGravity_m_s2) return std::nullopt;
+  // A gyro that was just turned on may be off by degrees a second, but not by varying ones.
+  double spread_rad_s = 0.0;
+  for (const ImuSample& sample : samples_) {
+    spread_rad_s = std::max(spread_rad_s, (sample.angular_rate_rad_s - rate).norm());
+  }
 
   const Vector3d& velocity = fix_->velocity_enu_m_s;
   const double speed = velocity.head<2>().norm();
-  const bool standing = speed < kStandstill_m_s && rate.norm() < kStandstill_rad_s;
+  const bool standing = speed < kStandstill_m_s && spread_rad_s < kStandstill_rad_s;
 
   double yaw = 0.0;
   double yaw_sigma = std::numbers::pi;

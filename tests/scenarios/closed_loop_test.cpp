@@ -113,6 +113,12 @@ TEST(ClosedLoop, FirstDriveMeetsWhatItExpects) {
   }
 }
 
+TEST(ClosedLoop, AGyroTurnedOnDegreesASecondOffStartsAllTheSame) {
+  const RunResult result = short_drive({"duration_s=5", "sensors.imu.preset=mpu6000", "seed=3"}, 2);
+  EXPECT_GT(value(result, "availability"), 0.7);  // the start takes 0.9 s of the 5
+  EXPECT_LT(value(result, "ate_rmse_m"), 0.1);
+}
+
 TEST(ClosedLoop, TwoLidarsGiveOneScanThatTheLocalizerUses) {
   const RunResult one = short_drive({"duration_s=5"}, 2);
   const RunResult two = short_drive({"duration_s=5",
