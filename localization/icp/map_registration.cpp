@@ -207,7 +207,7 @@ Matrix6d step_gain(std::span<const Vector3f> points, std::span<const Matrix3d> c
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(L.solve(half.transpose().eval()));
   const Vector6d shares = eigen.eigenvalues().array().max(0.0).min(1.0);
   const Vector6d gains = (1.0 - (1.0 - shares.array()).pow(iterations)).matrix();
-  const Matrix6d U = eigen.eigenvectors();
+  const Matrix6d& U = eigen.eigenvectors();
   const Matrix6d half_gain = gains.asDiagonal() * U.transpose() * Matrix6d(cholesky.matrixU());
   return cholesky.matrixU().solve(U * half_gain);
 }
