@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   apps::add_run_command(app, action);
   apps::add_render_command(app, action);
   apps::add_map_command(app, action);
+  apps::add_allan_command(app, action);
   apps::add_list_command(app, action);
 
   try {

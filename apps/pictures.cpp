@@ -103,7 +103,7 @@ render::TrajectoryPicture trajectory_picture(const RunFiles& run, const Scenario
   }
   for (const sim::FaultSpec& fault : scenario.faults) {
     picture.events.push_back(
-        {.from_s = fault.at_s, .to_s = fault.at_s + fault.for_s, .label = fault.kind});
+        {.from_s = fault.at_s, .to_s = fault.at_s + fault.for_s, .label = std::string(fault.name())});
   }
   if (!run.truth.empty()) picture.duration_s = to_seconds(run.truth.back().time);
   return picture;

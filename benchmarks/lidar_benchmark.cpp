@@ -48,8 +48,8 @@ LidarSpec spec_of(benchmark::State& state) {
 
 /// The very rays of a scan, made beforehand.
 std::vector<RTCRayHit16> precomputed_rays(const LidarSpec& spec, const Trajectory& trajectory) {
-  const auto beams = beam_directions(spec);
-  const auto heads = head_angles(spec);
+  const auto rays = beam_rays(spec);
+  const auto heads = head_turns(spec);
   std::vector<RTCRayHit16> packets;
   for (std::size_t first = 0; first + kLanes <= heads.size(); first += kLanes) {
     std::vector<Pose> poses;
@@ -58,8 +58,8 @@ std::vector<RTCRayHit16> precomputed_rays(const LidarSpec& spec, const Trajector
       poses.push_back(trajectory.pose_at(time) * kMount);
     }
     const BlockMotion motion(poses, {heads.data() + first, kLanes});
-    for (const BeamDirection& beam : beams) {
-      motion.fill(beam, Lanes::Constant(static_cast<float>(spec.range_max_m)),
+    for (const BeamRay& ray : rays) {
+      motion.fill(ray, Lanes::Constant(static_cast<float>(spec.range_max_m)),
                   packets.emplace_back());
     }
   }

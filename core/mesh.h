@@ -15,10 +15,18 @@ using MaterialId = std::uint16_t;
 /// What a surface is made of, as the sensors need it.
 struct Material {
   std::string name;
-  /// Diffuse reflectivity at 905 nm, 0…1.
+  /// Diffuse reflectivity at 905 nm and normal incidence, 0…1.
   double reflectivity_905nm = 0.3;
   /// Colour for pictures, linear RGB 0…1.
   std::array<float, 3> color = {0.6F, 0.6F, 0.6F};
+  /// Slopes of the facets that a rough surface is made of, standard deviation [rad] (Oren and
+  /// Nayar 1994); 0 is Lambert's surface.
+  double roughness_rad = 0.3;
+  /// Of a clear pane; 0 for what light does not pass.
+  double refractive_index = 0.0;
+  /// How much more than a white diffuse surface a retroreflector sends back to where light came
+  /// from; 0 for what is none.
+  double retroreflection = 0.0;
 };
 
 /// Triangles in metres. Counter-clockwise seen from outside.

@@ -118,4 +118,26 @@ double inverse_normal_cdf(double probability) {
   return q < 0.0 ? -x : x;
 }
 
+float gaussian_from_bits(std::uint32_t bits) {
+  constexpr std::uint32_t kCellBits = 11;
+  constexpr std::uint32_t kCells = 1U << kCellBits;
+  constexpr std::uint32_t kTail = 32;  // cells left to the exact quantile on each side
+  constexpr std::uint32_t kRestBits = 32 - kCellBits;
+  static const std::array<float, kCells + 1> table = [] {
+    std::array<float, kCells + 1> values{};
+    for (std::uint32_t i = kTail; i <= kCells - kTail; ++i) {
+      values[i] = static_cast<float>(inverse_normal_cdf(static_cast<double>(i) / kCells));
+    }
+    return values;
+  }();
+  const std::uint32_t cell = bits >> kRestBits;
+  if (cell < kTail || cell >= kCells - kTail) {
+    return static_cast<float>(inverse_normal_cdf(uniform_from_bits(bits)));
+  }
+  constexpr std::uint32_t kRestMask = (1U << kRestBits) - 1;
+  const float within =
+      (static_cast<float>(bits & kRestMask) + 0.5F) / static_cast<float>(1U << kRestBits);
+  return table[cell] + within * (table[cell + 1] - table[cell]);
+}
+
 }  // namespace locsim

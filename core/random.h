@@ -54,6 +54,10 @@ class RandomSequence {
 /// (Wichura 1988, algorithm AS 241, PPND16).
 [[nodiscard]] double inverse_normal_cdf(double probability);
 
+/// Standard normal from 32 random bits, for sensors that draw millions a second: the quantile by
+/// straight pieces between 2048 exact values, within 5e-5, exact beyond |2.15|.
+[[nodiscard]] float gaussian_from_bits(std::uint32_t bits);
+
 /// (0, 1) from 32 random bits, never 0 or 1, symmetric about ½.
 [[nodiscard]] constexpr double uniform_from_bits(std::uint32_t bits) {
   return (static_cast<double>(bits) + 0.5) * 0x1p-32;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <utility>
@@ -17,10 +18,11 @@
 #include "sim/faults/faults.h"
 #include "sim/gnss/gnss.h"
 #include "sim/imu/imu.h"
-#include "sim/lidar/lidar.h"
+#include "sim/lidar/lidar_rig.h"
+#include "sim/magnetometer/earth_field.h"
 #include "sim/magnetometer/magnetometer.h"
+#include "sim/magnetometer/steel_field.h"
 #include "sim/ray_scene.h"
-#include "sim/traffic.h"
 #include "sim/vehicle/driver.h"
 #include "sim/vehicle/vehicle.h"
 
@@ -50,7 +52,11 @@ class CostTimer {
   std::chrono::steady_clock::time_point start_;
 };
 
-using Message = std::variant<ImuSample, GnssFix, MagneticHeading, std::shared_ptr<LidarScan>>;
+/// What a sensor says, and when the localizer hears it.
+struct Message {
+  Stamp delivered;
+  std::variant<ImuSample, GnssFix, MagneticHeading, std::shared_ptr<const LidarScan>> content;
+};
 
 /// What one tick hands to the localizer, and what it answers.
 struct Batch {
@@ -61,22 +67,10 @@ struct Batch {
 
   [[nodiscard]] bool has_scan() const {
     return std::ranges::any_of(messages, [](const Message& message) {
-      return std::holds_alternative<std::shared_ptr<LidarScan>>(message);
+      return std::holds_alternative<std::shared_ptr<const LidarScan>>(message.content);
     });
   }
 };
-
-Stamp delivered_at(const Message& message) {
-  return std::visit(
-      [](const auto& m) {
-        if constexpr (requires { m->end; }) {
-          return m->end;
-        } else {
-          return m.time;
-        }
-      },
-      message);
-}
 
 void feed(localization::Localizer& localizer, Batch& batch) {
   CostTimer timer(batch.cost_s);
@@ -89,9 +83,15 @@ void feed(localization::Localizer& localizer, Batch& batch) {
             localizer.add(m);
           }
         },
-        message);
+        message.content);
   }
   batch.estimate = localizer.estimate();
+}
+
+std::vector<sim::MountedLidar> mounted_lidars(const SensorSuite& sensors) {
+  std::vector<sim::MountedLidar> lidars;
+  for (const LidarSetup& setup : sensors.lidar) lidars.push_back({setup.spec, setup.mount.pose()});
+  return lidars;
 }
 
 localization::Rig make_rig(const SensorSuite& sensors) {
@@ -101,10 +101,10 @@ localization::Rig make_rig(const SensorSuite& sensors) {
   rig.antenna_in_vehicle_m = sensors.gnss.mount.pose().translation;
   const sim::ImuSpec& imu = sensors.imu.spec;
   rig.imu_rate_hz = imu.rate_hz;
-  rig.gyro_noise_rad_s_sqrthz = imu.gyro_noise_rad_s_sqrthz;
-  rig.accel_noise_m_s2_sqrthz = imu.accelerometer_noise_m_s2_sqrthz;
-  rig.gyro_bias_walk_rad_s2_sqrthz = imu.gyro_bias_walk_rad_s_sqrts;
-  rig.accel_bias_walk_m_s3_sqrthz = imu.accelerometer_bias_walk_m_s2_sqrts;
+  rig.gyro_noise_rad_s_sqrthz = imu.gyro_noise_rad_s_sqrthz();
+  rig.accel_noise_m_s2_sqrthz = imu.accelerometer_noise_m_s2_sqrthz();
+  rig.gyro_bias_walk_rad_s2_sqrthz = imu.gyro_bias_walk_rad_s_sqrts();
+  rig.accel_bias_walk_m_s3_sqrthz = imu.accelerometer_bias_walk_m_s2_sqrts();
   return rig;
 }
 
@@ -114,9 +114,9 @@ class DriverEstimate {
  public:
   explicit DriverEstimate(localization::Rig rig) : rig_(std::move(rig)) {}
 
-  void add(std::span<const ImuSample> samples) {
-    recent_.insert(recent_.end(), samples.begin(), samples.end());
-    if (belief_) belief_ = propagate(*belief_, samples, rig_);
+  void add(const ImuSample& sample) {
+    recent_.push_back(sample);
+    if (belief_) belief_ = propagate(*belief_, {&sample, 1}, rig_);
   }
 
   void deliver(const std::optional<Estimate>& estimate) {
@@ -154,23 +154,14 @@ class ClosedLoop {
   RunRecord run();
 
  private:
-  /// A LIDAR, its scan under way, and up to when its rays have been cast.
-  struct MountedLidar {
-    sim::Lidar lidar;
-    std::shared_ptr<LidarScan> scan;
-    Stamp cast_to;
-
-    void begin_scan(Stamp start) {
-      scan = std::make_shared<LidarScan>(lidar.start_scan(start));
-      cast_to = start;
-    }
-  };
-
   void step_vehicle();
   void drive_one_period();
   void sample_light_sensors(Stamp from);
+  void deliver_imu(std::span<const ImuSample> samples);
+  template <typename M>
+  void deliver(std::span<const M> messages);
   void cast_lidars();
-  void deliver_finished_scans();
+  void deliver_scan();
   void tick();
   void await_localizer();
   void deliver_due_estimates();
@@ -190,12 +181,15 @@ class ClosedLoop {
   sim::Driver driver_;
   sim::Controls controls_;
   sim::Trajectory trajectory_;
-  std::vector<MountedLidar> lidars_;
-  sim::Imu imu_;
-  sim::Gnss gnss_;
-  sim::Magnetometer magnetometer_;
   sim::Faults faults_;
-  bool any_blackout_;
+  sim::LidarRig lidars_;
+  sim::Imu imu_;
+  /// On their way for longer than usual.
+  std::deque<Message> late_imu_;
+  sim::Gnss gnss_;
+  Vector3d earth_field_map_T_;
+  sim::SteelField steel_field_;
+  sim::Magnetometer magnetometer_;
 
   localization::Rig rig_;
   std::unique_ptr<localization::Localizer> localizer_;
@@ -223,22 +217,21 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Stage& stage,
       vehicle_(scenario.vehicle.spec, stage.world, stage.route.pose(0.0), actors_),
       driver_(scenario.vehicle.driver, scenario.vehicle.spec, stage.route),
       trajectory_(Stamp{}, scenario.vehicle.spec.step),
-      imu_(scenario.sensors.imu.spec, scenario.sensors.imu.mount.pose(), scenario.seed),
+      faults_(scenario.faults),
+      lidars_(mounted_lidars(scenario.sensors), scenario.seed, sim::Weather(scenario.weather),
+              faults_, Stamp{}),
+      imu_(scenario.sensors.imu.spec, scenario.sensors.imu.mount.pose(), scenario.seed, faults_),
       gnss_(scenario.sensors.gnss.spec, scenario.sensors.gnss.mount.pose().translation,
             scenario.seed),
-      magnetometer_(scenario.sensors.magnetometer.spec, scenario.seed),
-      faults_(scenario.faults),
-      any_blackout_(!faults_.intervals("lidar_blackout").empty()),
+      earth_field_map_T_(sim::earth_field_enu_T(stage.world.origin,
+                                                scenario.sensors.magnetometer.spec.epoch_year)),
+      steel_field_(stage.world, actors_, earth_field_map_T_, scenario.world.seed),
+      magnetometer_(scenario.sensors.magnetometer.spec, scenario.sensors.magnetometer.mount.pose(),
+                    earth_field_map_T_, &steel_field_, scenario.seed),
       rig_(make_rig(scenario.sensors)),
       localizer_(scenario.localizer.settings->make(
           {.rig = rig_, .map = std::move(map), .threads = options.threads})),
       driver_estimate_(rig_) {
-  const std::span<const LidarSetup> setups = scenario.sensors.lidar;
-  for (std::size_t i = 0; i < setups.size(); ++i) {
-    lidars_.push_back({.lidar = sim::Lidar(setups[i].spec, setups[i].mount.pose(),
-                                           static_cast<std::uint16_t>(i), scenario.seed)});
-    lidars_.back().begin_scan(Stamp{});
-  }
   // One physics step ahead of the clock: the trajectory's last tangent needs the pose after it.
   trajectory_.push(vehicle_.T_map_vehicle());
   step_vehicle();
@@ -271,51 +264,50 @@ void ClosedLoop::sample_light_sensors(Stamp from) {
   magnetometer_.sample(trajectory_, from, now_, headings);
   std::vector<GnssFix> fixes;
   const auto is_blocked = [&](const Vector3d& origin, const Vector3d& direction, Stamp time) {
-    return faults_.active("gnss_outage", time) ||
+    return faults_.active<sim::GnssOutage>(time) != nullptr ||
            scene_.is_blocked(origin, direction, kSkyReach_m, time);
   };
   gnss_.sample(trajectory_, is_blocked, frame_, from, now_, fixes);
 
-  driver_estimate_.add(imu);
-  inbox_.insert(inbox_.end(), imu.begin(), imu.end());
-  inbox_.insert(inbox_.end(), headings.begin(), headings.end());
-  inbox_.insert(inbox_.end(), fixes.begin(), fixes.end());
+  deliver_imu(imu);
+  deliver<MagneticHeading>(headings);
+  deliver<GnssFix>(fixes);
   record_.fixes.insert(record_.fixes.end(), fixes.begin(), fixes.end());
+}
+
+template <typename M>
+void ClosedLoop::deliver(std::span<const M> messages) {
+  for (const M& message : messages) inbox_.push_back({message.time, message});
+}
+
+void ClosedLoop::deliver_imu(std::span<const ImuSample> samples) {
+  record_.imu.insert(record_.imu.end(), samples.begin(), samples.end());
+  for (const ImuSample& sample : samples) {
+    const sim::ImuLate* late = faults_.active<sim::ImuLate>(sample.time);
+    late_imu_.push_back({sample.time + (late == nullptr ? Duration{0} : late->delay()), sample});
+  }
+  std::vector<Message> arrived;
+  const auto is_there = [&](const Message& message) { return message.delivered <= now_; };
+  std::ranges::copy_if(late_imu_, std::back_inserter(arrived), is_there);
+  std::erase_if(late_imu_, is_there);
+  std::ranges::stable_sort(arrived, {}, &Message::delivered);
+  for (const Message& message : arrived) {
+    driver_estimate_.add(std::get<ImuSample>(message.content));
+  }
+  inbox_.insert(inbox_.end(), arrived.begin(), arrived.end());
 }
 
 void ClosedLoop::cast_lidars() {
   CostTimer timer(record_.cost.lidar_s);
-  for (MountedLidar& mounted : lidars_) {
-    if (now_ <= mounted.cast_to) continue;
-    LidarScan& scan = *mounted.scan;
-    // Isolated, or this thread might take up the localizer's task while it waits for its rays.
-    tbb::this_task_arena::isolate(
-        [&] { mounted.lidar.cast(scene_, trajectory_, mounted.cast_to, now_, scan); });
-    if (any_blackout_) {
-      std::erase_if(scan.points, [&](const LidarPoint& point) {
-        return faults_.active("lidar_blackout", scan.start + Duration{point.time_ns});
-      });
-    }
-    mounted.cast_to = now_;
-  }
+  // Isolated, or this thread might take up the localizer's task while it waits for its rays.
+  tbb::this_task_arena::isolate([&] { lidars_.cast(scene_, trajectory_, now_); });
 }
 
-void ClosedLoop::deliver_finished_scans() {
-  // The LIDARs of a rig turn together: their points are one scan, in the order they were fired.
-  const std::shared_ptr<LidarScan> merged = lidars_.front().scan;
-  for (MountedLidar& mounted : lidars_) {
-    if (mounted.scan != merged) {
-      const auto middle = static_cast<std::ptrdiff_t>(merged->points.size());
-      merged->points.insert(merged->points.end(), mounted.scan->points.begin(),
-                            mounted.scan->points.end());
-      std::ranges::inplace_merge(merged->points, merged->points.begin() + middle, {},
-                                 &LidarPoint::time_ns);
-    }
-    mounted.begin_scan(merged->end);
-  }
-  if (merged->points.empty()) return;
+void ClosedLoop::deliver_scan() {
+  auto scan = std::make_shared<const LidarScan>(lidars_.finish());
+  if (scan->points.empty()) return;
   record_.scan_times.push_back(now_);
-  inbox_.emplace_back(merged);
+  inbox_.push_back({now_, std::move(scan)});
 }
 
 void ClosedLoop::tick() {
@@ -323,7 +315,7 @@ void ClosedLoop::tick() {
   auto batch = std::make_shared<Batch>();
   batch->tick = now_;
   batch->messages = std::exchange(inbox_, {});
-  std::ranges::stable_sort(batch->messages, {}, delivered_at);
+  std::ranges::stable_sort(batch->messages, {}, &Message::delivered);
   in_flight_.push_back(batch);
   localizer_task_.run([this, batch] { feed(*localizer_, *batch); });
 }
@@ -362,7 +354,7 @@ RunRecord ClosedLoop::run() {
         deliver_due_estimates();
       }
       if (is_tick) {
-        deliver_finished_scans();
+        deliver_scan();
         // The localizer takes one batch at a time.
         await_localizer();
         tick();

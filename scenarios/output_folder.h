@@ -12,6 +12,7 @@ inline constexpr std::string_view kTruth = "truth.tum";
 inline constexpr std::string_view kEstimateTum = "estimate.tum";
 inline constexpr std::string_view kEstimate = "estimate.csv";
 inline constexpr std::string_view kGnss = "gnss.csv";
+inline constexpr std::string_view kImu = "imu.csv";
 inline constexpr std::string_view kScenario = "scenario.yaml";
 }  // namespace run_file
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "scenarios/imu_log.h"
 #include "scenarios/output_folder.h"
 #include "scenarios/run_files.h"
 #include "scenarios/yaml_parameters.h"
@@ -158,6 +159,7 @@ void write_results(const RunResult& result, const fs::path& folder,
   write_file(pending.path() / run_file::kEstimateTum, tum_text(result.estimates));
   write_file(pending.path() / run_file::kEstimate, estimate_csv(result.estimates));
   write_file(pending.path() / run_file::kGnss, gnss_csv(result.fixes, result.origin));
+  write_file(pending.path() / run_file::kImu, imu_log_csv(result.imu));
   write_file(pending.path() / run_file::kScenario, result.scenario_yaml);
   if (add_files) add_files(pending.path());
   pending.put_in_place();

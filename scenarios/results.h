@@ -41,6 +41,7 @@ struct RunResult {
   std::vector<TruthSample> truth;
   std::vector<localization::Estimate> estimates;
   std::vector<GnssFix> fixes;
+  std::vector<ImuSample> imu;
   RunScores scores;
   std::vector<CriterionResult> criteria;
   Cost cost;
@@ -57,10 +58,10 @@ struct RunResult {
 /// which will be replaced. Changes nothing. Throws InputError saying what to do otherwise.
 void prepare_output_folder(const std::filesystem::path& folder);
 
-/// Writes scores.json, truth.tum, estimate.tum, estimate.csv, gnss.csv and scenario.yaml, all or
-/// nothing: they are written beside `folder`, then renamed into its place; an earlier run's folder
-/// is replaced. `add_files` may put further files (pictures, *.png) into the folder given to it.
-/// Throws InputError as prepare_output_folder() does, or where the disk is full.
+/// Writes scores.json, truth.tum, estimate.tum, estimate.csv, gnss.csv, imu.csv and scenario.yaml,
+/// all or nothing: they are written beside `folder`, then renamed into its place; an earlier run's
+/// folder is replaced. `add_files` may put further files (pictures, *.png) into the folder given to
+/// it. Throws InputError as prepare_output_folder() does, or where the disk is full.
 void write_results(
     const RunResult& result, const std::filesystem::path& folder,
     const std::function<void(const std::filesystem::path& folder)>& add_files = nullptr);

@@ -35,7 +35,7 @@ Cost summarise(const RunCost& cost, double simulated_s) {
 RunResult score_record(const Scenario& scenario, const Stage& stage, RunRecord record) {
   std::vector<ScoreEvent> events;
   for (const sim::FaultSpec& fault : scenario.faults) {
-    events.push_back({.kind = fault.kind,
+    events.push_back({.kind = std::string(fault.name()),
                       .from = stamp_from_seconds(fault.at_s),
                       .until = stamp_from_seconds(fault.at_s + fault.for_s)});
   }
@@ -62,6 +62,7 @@ RunResult score_record(const Scenario& scenario, const Stage& stage, RunRecord r
   result.truth = std::move(record.truth);
   result.estimates = std::move(record.estimates);
   result.fixes = std::move(record.fixes);
+  result.imu = std::move(record.imu);
   return result;
 }
 

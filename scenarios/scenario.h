@@ -17,9 +17,10 @@
 #include "sim/imu/imu_spec.h"
 #include "sim/lidar/lidar_spec.h"
 #include "sim/magnetometer/magnetometer_spec.h"
-#include "sim/traffic.h"
+#include "sim/traffic/traffic_config.h"
 #include "sim/vehicle/driver.h"
 #include "sim/vehicle/vehicle_spec.h"
+#include "sim/weather/weather.h"
 #include "sim/world/mesh_world.h"
 #include "sim/world/recorded_layout.h"
 #include "sim/world/town.h"
@@ -35,6 +36,8 @@ struct WorldSetup {
   /// "town" or "mesh".
   std::string kind = "town";
   std::uint64_t seed = 1;
+  /// Of the drive: decides which cars stand at a town's kerbs.
+  std::int64_t day = 1;
   /// Of the map frame. A recorded route in geodetic coordinates brings its own.
   GeodeticPoint origin;
   sim::TownConfig town;
@@ -85,7 +88,6 @@ struct SensorSuite {
   ImuSetup imu;
   /// The mount is the antenna's; it has no direction.
   GnssSetup gnss;
-  /// Its heading is the vehicle's, so it has no mount.
   MagnetometerSetup magnetometer;
 
   /// An HDL-32E on the roof, an MTi-10 and a ublox F9P.
@@ -99,6 +101,9 @@ struct MapSetup {
   /// Folder of a map, for "file".
   std::filesystem::path file;
   maps::build::SurveyConfig survey;
+  /// Of the survey, and whether it has the cars that stood at a town's kerbs on that day.
+  std::int64_t day = 0;
+  bool parked_cars = true;
 };
 
 struct LocalizerSetup {
@@ -126,6 +131,8 @@ struct Scenario {
   sim::TrafficConfig traffic;
   SensorSuite sensors;
   std::vector<sim::FaultSpec> faults;
+  /// At rising times; none is clear.
+  std::vector<sim::WeatherSpec> weather;
   MapSetup map;
   LocalizerSetup localizer;
   std::vector<Criterion> expect;

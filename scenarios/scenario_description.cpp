@@ -31,7 +31,7 @@ SensorSuite::SensorSuite()
     : lidar{{.preset = "hdl32e", .mount = {.position_m = named_mounts()[0].position_m}}},
       imu{.preset = "mti10", .mount = {.position_m = named_mounts()[1].position_m}},
       gnss{.preset = "ublox_f9p", .mount = {.position_m = named_mounts()[2].position_m}},
-      magnetometer{.preset = "mti10"} {}
+      magnetometer{.preset = "mti10", .mount = {.position_m = named_mounts()[2].position_m}} {}
 
 void ScenarioDescription::unsigned_integer(std::string_view key, std::uint64_t& value) {
   auto as_signed = static_cast<std::int64_t>(value);
@@ -86,6 +86,7 @@ void ScenarioDescription::describe(Scenario& scenario) {
   check_imu_rate(scenario);
   check_lidar_rates(scenario);
   p_.list("faults", scenario.faults);
+  p_.list("weather", scenario.weather);
   group("map", scenario.map);
   group("localizer", scenario.localizer);
   describe_expectations(scenario.expect);
@@ -101,6 +102,7 @@ void ScenarioDescription::describe(WorldSetup& world) {
   p_.number("height_m", world.origin.height_m, {.min = -500.0, .max = 9000.0});
   p_.end_group();
   if (world.kind == "town") {
+    p_.integer("day", world.day, kNotNegative);
     world.town.describe(p_);
   } else {
     world.mesh.describe(p_);
@@ -144,14 +146,14 @@ void ScenarioDescription::describe(SensorSuite& sensors) {
   };
   sensor("imu", sensors.imu, MountKeys::pose);
   sensor("gnss", sensors.gnss, MountKeys::position);
-  sensor("magnetometer", sensors.magnetometer, MountKeys::none);
+  sensor("magnetometer", sensors.magnetometer, MountKeys::pose);
 }
 
 template <typename Spec>
 void ScenarioDescription::describe_sensor(std::string_view sensor, SensorSetup<Spec>& setup,
                                           MountKeys mount_keys) {
   describe_preset(sensor, setup.preset);
-  if (mount_keys != MountKeys::none) describe_mount(setup.mount, mount_keys);
+  describe_mount(setup.mount, mount_keys);
   setup.spec.describe(p_);
 }
 
@@ -236,6 +238,8 @@ void ScenarioDescription::describe(MapSetup& map) {
   p_.choice("source", map.source, kSources);
   if (map.source == "survey") {
     map.survey.describe(p_);
+    p_.integer("day", map.day, kNotNegative);
+    p_.flag("parked_cars", map.parked_cars);
   } else {
     path("file", map.file, PathKind::folder);
   }

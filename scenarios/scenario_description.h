@@ -27,7 +27,7 @@ class ScenarioDescription {
   void describe(LocalizerSetup& localizer);
   void describe_expectations(std::vector<Criterion>& expect);
 
-  enum class MountKeys { none, position, pose };
+  enum class MountKeys { position, pose };
   template <typename Spec>
   void describe_sensor(std::string_view sensor, SensorSetup<Spec>& setup, MountKeys mount_keys);
   void describe_preset(std::string_view sensor, std::string& preset);

@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "maps/build/survey.h"
-#include "sim/traffic.h"
+#include "sim/traffic/traffic.h"
 #include "sim/world/mesh_world.h"
 #include "sim/world/recorded_layout.h"
 #include "sim/world/town.h"
@@ -56,9 +56,16 @@ Stage build_stage(const Scenario& scenario) {
     layout = sim::make_town_layout(scenario.route.town, scenario.world.seed);
   }
   stage.route = layout.route;
-  stage.world = scenario.world.kind == "mesh"
-                    ? sim::load_mesh_world(scenario.world.mesh, origin)
-                    : sim::build_town(scenario.world.town, layout, scenario.world.seed, origin);
+  stage.streets = layout.streets;
+  if (scenario.world.kind == "mesh") {
+    stage.world = sim::load_mesh_world(scenario.world.mesh, origin);
+    return stage;
+  }
+  sim::TownDays days{.drive = scenario.world.day, .survey = {}};
+  if (scenario.map.source == "survey" && scenario.map.parked_cars) days.survey = scenario.map.day;
+  sim::Town town = sim::build_town(scenario.world.town, layout, scenario.world.seed, origin, days);
+  stage.world = std::move(town.world);
+  stage.survey_cars = std::move(town.survey_cars.mesh);
   return stage;
 }
 
@@ -68,8 +75,8 @@ std::shared_ptr<const maps::PriorMap> build_map(const Scenario& scenario, const 
     check_same_origin(*map, stage.world.origin, scenario.map.file);
     return map;
   }
-  const std::array<const TriangleMesh*, 2> standing = {&stage.world.ground,
-                                                       &stage.world.structures};
+  const std::array<const TriangleMesh*, 3> standing = {&stage.world.ground, &stage.world.structures,
+                                                       &stage.survey_cars};
   std::vector<Vector3d> path;
   for (const sim::RoutePoint& point : stage.route.points()) path.push_back(point.position);
   return std::make_shared<const maps::PriorMap>(maps::build::survey(
@@ -83,8 +90,8 @@ double time_limit_s(const Scenario& scenario, const Stage& stage) {
 
 std::vector<sim::Actor> build_traffic(const Scenario& scenario, const Stage& stage) {
   if (stage.world.actor_shapes.empty()) return {};
-  return sim::make_traffic(scenario.traffic, stage.route, stage.world, scenario.seed, Stamp{},
-                           stamp_from_seconds(time_limit_s(scenario, stage)));
+  return sim::make_traffic(scenario.traffic, stage.route, stage.streets, stage.world, scenario.seed,
+                           Stamp{}, stamp_from_seconds(time_limit_s(scenario, stage)));
 }
 
 }  // namespace locsim::scenarios

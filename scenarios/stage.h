@@ -7,6 +7,7 @@
 #include "maps/prior_map.h"
 #include "scenarios/scenario.h"
 #include "sim/actors.h"
+#include "sim/world/layout.h"
 #include "sim/world/recorded_track.h"
 #include "sim/world/route.h"
 #include "sim/world/world.h"
@@ -16,7 +17,10 @@ namespace locsim::scenarios {
 /// What a scenario is played on.
 struct Stage {
   sim::World world;
+  /// Cars at the kerbs on the day of the map's survey; none where the map leaves them out.
+  TriangleMesh survey_cars;
   sim::Route route;
+  std::vector<sim::Street> streets;
   /// The log behind a recorded route.
   std::optional<sim::RecordedTrack> track;
 };

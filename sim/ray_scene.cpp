@@ -120,19 +120,20 @@ std::optional<RTCRay> ray_at_actor(const Actor& actor, const RayScene::Sphere& b
 }  // namespace
 
 RayScene::RayScene(const World& world, std::span<const Actor> actors)
-    : device_(rtcNewDevice(nullptr)), actors_(actors.begin(), actors.end()) {
+    : device_(rtcNewDevice(nullptr)),
+      materials_(world.materials),
+      actors_(actors.begin(), actors.end()) {
   if (!device_) check(nullptr);
   rtcSetDeviceErrorFunction(device_.get(), keep_message, nullptr);
-  const std::array<const TriangleMesh*, 3> meshes = {&world.ground, &world.structures,
-                                                     &world.parked_cars};
+  // In the order of `Surface`.
+  const std::array<const TriangleMesh*, 4> meshes = {&world.ground, &world.structures,
+                                                     &world.parked_cars, &world.interiors};
   check_materials(world.ground, world.materials.size(), "the ground");
   check_materials(world.structures, world.materials.size(), "the structures");
   check_materials(world.parked_cars, world.materials.size(), "the parked cars");
+  check_materials(world.interiors, world.materials.size(), "the interiors");
   standing_ = build(meshes);
   for (const TriangleMesh* mesh : meshes) standing_materials_.push_back(mesh->materials);
-  for (const Material& material : world.materials) {
-    reflectivities_.push_back(static_cast<float>(material.reflectivity_905nm));
-  }
   for (const TriangleMesh& mesh : world.actor_shapes) {
     check_materials(mesh, world.materials.size(), "an actor's shape");
     const TriangleMesh* one = &mesh;
@@ -168,30 +169,42 @@ std::optional<Hit> RayScene::cast(const Vector3d& origin, const Vector3d& direct
                                   double max_range_m) const {
   std::optional<Hit> nearest;
   double limit_m = max_range_m;
-  const auto take = [&](const RTCRayHit& query) {
-    limit_m = query.ray.tfar;
-    nearest = Hit{.range_m = limit_m,
-                  .normal = Vector3d(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).normalized()};
-  };
   if (const RTCRayHit query = intersect(standing_.get(), make_ray(origin, direction, limit_m));
       query.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
-    take(query);
-    nearest->material = standing_materials_[query.hit.geomID][query.hit.primID];
-    nearest->surface = static_cast<Surface>(query.hit.geomID);
+    limit_m = query.ray.tfar;
+    nearest = Hit{.range_m = limit_m,
+                  .material = standing_material(query.hit.geomID, query.hit.primID),
+                  .normal = Vector3d(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).normalized(),
+                  .surface = static_cast<Surface>(query.hit.geomID)};
   }
   for (std::uint32_t i = 0; i < actors_.size(); ++i) {
-    const auto ray = ray_at_actor(actors_[i], bounds(i), time, origin, direction, limit_m);
-    if (!ray) continue;
-    const RTCRayHit query = intersect(actor_scene(i), *ray);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
-    take(query);
-    nearest->normal = actors_[i].pose_at(time).rotation * nearest->normal;
-    nearest->material = shapes_[actors_[i].shape].materials[query.hit.primID];
-    nearest->surface = Surface::actor;
-    nearest->actor = i;
+    const auto hit = cast_at_actor(i, origin, direction, time, 0.0, limit_m);
+    if (!hit) continue;
+    limit_m = hit->range_m;
+    nearest = Hit{.range_m = limit_m,
+                  .material = hit->material,
+                  .normal = hit->normal.cast<double>(),
+                  .surface = Surface::actor,
+                  .actor = i};
   }
   if (nearest && nearest->normal.dot(direction) > 0.0) nearest->normal = -nearest->normal;
   return nearest;
+}
+
+std::optional<RayScene::ActorHit> RayScene::cast_at_actor(std::uint32_t actor,
+                                                          const Vector3d& origin,
+                                                          const Vector3d& direction, Stamp time,
+                                                          double min_range_m,
+                                                          double max_range_m) const {
+  auto ray = ray_at_actor(actors_[actor], bounds(actor), time, origin, direction, max_range_m);
+  if (!ray) return std::nullopt;
+  ray->tnear = static_cast<float>(min_range_m);
+  const RTCRayHit query = intersect(actor_scene(actor), *ray);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const Vector3d normal = Vector3d(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).normalized();
+  return ActorHit{.range_m = query.ray.tfar,
+                  .material = actor_material(actor, query.hit.primID),
+                  .normal = (actors_[actor].pose_at(time).rotation * normal).cast<float>()};
 }
 
 bool RayScene::is_blocked(const Vector3d& origin, const Vector3d& direction, double max_range_m,

@@ -17,7 +17,7 @@
 namespace locsim::sim {
 
 /// What a ray met.
-enum class Surface : std::uint8_t { ground, structures, parked_cars, actor };
+enum class Surface : std::uint8_t { ground, structures, parked_cars, interiors, actor };
 
 struct Hit {
   double range_m = 0.0;
@@ -48,6 +48,16 @@ class RayScene {
   /// at `time`; map frame.
   [[nodiscard]] std::optional<Hit> cast(const Vector3d& origin, const Vector3d& direction,
                                         Stamp time, double max_range_m) const;
+  struct ActorHit {
+    float range_m = 0.0F;
+    MaterialId material = 0;
+    /// Unit, map frame, either way up.
+    Vector3f normal = Vector3f::UnitZ();
+  };
+  /// First surface of one actor between `min_range_m` and `max_range_m`.
+  [[nodiscard]] std::optional<ActorHit> cast_at_actor(std::uint32_t actor, const Vector3d& origin,
+                                                      const Vector3d& direction, Stamp time,
+                                                      double min_range_m, double max_range_m) const;
   /// Whether anything, standing or moving, lies within `max_range_m` along `direction` (unit).
   [[nodiscard]] bool is_blocked(const Vector3d& origin, const Vector3d& direction,
                                 double max_range_m, Stamp time) const;
@@ -71,12 +81,14 @@ class RayScene {
   [[nodiscard]] RTCScene actor_scene(std::uint32_t actor) const {
     return shapes_[actors_[actor].shape].scene.get();
   }
-  [[nodiscard]] float standing_reflectivity(unsigned geometry, unsigned primitive) const {
-    return reflectivities_[standing_materials_[geometry][primitive]];
+  [[nodiscard]] MaterialId standing_material(unsigned geometry, unsigned primitive) const {
+    return standing_materials_[geometry][primitive];
   }
-  [[nodiscard]] float actor_reflectivity(std::uint32_t actor, unsigned primitive) const {
-    return reflectivities_[shapes_[actors_[actor].shape].materials[primitive]];
+  [[nodiscard]] MaterialId actor_material(std::uint32_t actor, unsigned primitive) const {
+    return shapes_[actors_[actor].shape].materials[primitive];
   }
+  /// The world's table, that material ids go into.
+  [[nodiscard]] std::span<const Material> materials() const { return materials_; }
 
  private:
   struct ReleaseDevice {
@@ -98,7 +110,7 @@ class RayScene {
   DevicePtr device_;
   ScenePtr standing_;
   std::vector<std::vector<MaterialId>> standing_materials_;
-  std::vector<float> reflectivities_;
+  std::vector<Material> materials_;
   std::vector<Shape> shapes_;
   std::vector<Actor> actors_;
 };

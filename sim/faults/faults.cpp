@@ -1,14 +1,42 @@
 #include "sim/faults/faults.h"
 
-#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string>
 #include <utility>
 
 namespace locsim::sim {
 
+namespace {
+
+template <std::size_t... kIndex>
+constexpr auto names_of(std::index_sequence<kIndex...> /*indices*/) {
+  return std::array<std::string_view, sizeof...(kIndex)>{
+      std::variant_alternative_t<kIndex, FaultKind>::kName...};
+}
+constexpr auto kNames = names_of(std::make_index_sequence<std::variant_size_v<FaultKind>>());
+
+template <std::size_t kIndex = 0>
+FaultKind make_kind(std::string_view name) {
+  if constexpr (kIndex + 1 < std::variant_size_v<FaultKind>) {
+    if (name != kNames[kIndex]) return make_kind<kIndex + 1>(name);
+  }
+  return FaultKind(std::in_place_index<kIndex>);
+}
+
+}  // namespace
+
+std::string_view FaultSpec::name() const {
+  return kNames[kind.index()];
+}
+
 void FaultSpec::describe(Parameters& p) {
   p.number("at_s", at_s, {.min = 0.0, .max = 1e7});
   p.number("for_s", for_s, {.min = kPositive.min, .max = 1e7});
-  p.choice("kind", kind, kFaultKinds);
+  std::string chosen{name()};
+  p.choice("kind", chosen, kNames);
+  if (chosen != name()) kind = make_kind(chosen);
+  std::visit([&](auto& fault) { fault.describe(p); }, kind);
 }
 
 Faults::Faults(std::vector<FaultSpec> specs, Stamp start)
@@ -21,21 +49,6 @@ Faults::Faults(std::vector<FaultSpec> specs, Stamp start)
 Faults::Interval Faults::interval(const FaultSpec& spec) const {
   const Stamp begin = start_ + duration_from_seconds(spec.at_s);
   return {.begin = begin, .end = begin + duration_from_seconds(spec.for_s)};
-}
-
-bool Faults::active(FaultKind kind, Stamp time) const {
-  return std::ranges::any_of(specs_, [&](const FaultSpec& spec) {
-    const Interval on = interval(spec);
-    return spec.kind == kind.name() && on.begin <= time && time < on.end;
-  });
-}
-
-std::vector<Faults::Interval> Faults::intervals(FaultKind kind) const {
-  std::vector<Interval> found;
-  for (const FaultSpec& spec : specs_) {
-    if (spec.kind == kind.name()) found.push_back(interval(spec));
-  }
-  return found;
 }
 
 }  // namespace locsim::sim

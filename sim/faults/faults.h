@@ -1,46 +1,24 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/parameters.h"
 #include "core/time.h"
+#include "sim/faults/fault_kinds.h"
 
 namespace locsim::sim {
-
-/// Every fault there is; a new one is a line here and a place that asks for it.
-inline constexpr std::array<std::string_view, 2> kFaultKinds = {
-    "gnss_outage",     // no satellite is received
-    "lidar_blackout",  // no return comes back
-};
-
-/// One of kFaultKinds, by name; a name that is not in the table does not compile.
-class FaultKind {
- public:
-  // NOLINTNEXTLINE(google-explicit-constructor): meant to be written as its name.
-  consteval FaultKind(const char* name) : name_(name) {
-    for (const std::string_view known : kFaultKinds) {
-      if (known == name_) return;
-    }
-    throw "not in kFaultKinds";
-  }
-  [[nodiscard]] constexpr std::string_view name() const { return name_; }
-
- private:
-  std::string_view name_;
-};
 
 /// Something breaks at `at_s` after the scenario's start and works again `for_s` later.
 struct FaultSpec {
   double at_s = 0.0;
   double for_s = 10.0;
-  /// One of kFaultKinds.
-  std::string kind{kFaultKinds[0]};
+  FaultKind kind = {};
 
+  /// As scenario files call its kind.
+  [[nodiscard]] std::string_view name() const;
+  /// `at_s`, `for_s`, `kind` and the keys of that kind.
   void describe(Parameters& p);
 };
 
@@ -51,14 +29,39 @@ class Faults {
   /// `start` is the scenario's start. Throws InputError where a fault is out of its limits.
   explicit Faults(std::vector<FaultSpec> specs, Stamp start = Stamp{});
 
-  /// Whether a fault of `kind` is on at `time`: from its start, inclusive, to its end, exclusive.
-  [[nodiscard]] bool active(FaultKind kind, Stamp time) const;
-  /// Start and end of each fault of `kind`, in the order given.
+  /// From `begin`, inclusive, to `end`, exclusive.
   struct Interval {
     Stamp begin;
     Stamp end;
+    [[nodiscard]] bool contains(Stamp time) const { return begin <= time && time < end; }
   };
-  [[nodiscard]] std::vector<Interval> intervals(FaultKind kind) const;
+  /// A fault of one kind and when it is on.
+  template <typename Kind>
+  struct Timed {
+    Interval interval;
+    Kind fault;
+  };
+
+  /// The faults of that kind, in the order given.
+  template <typename Kind>
+  [[nodiscard]] std::vector<Timed<Kind>> all() const {
+    std::vector<Timed<Kind>> found;
+    for (const FaultSpec& spec : specs_) {
+      if (const Kind* kind = std::get_if<Kind>(&spec.kind)) {
+        found.push_back({interval(spec), *kind});
+      }
+    }
+    return found;
+  }
+  /// The first fault of that kind that is on at `time`, null where there is none.
+  template <typename Kind>
+  [[nodiscard]] const Kind* active(Stamp time) const {
+    for (const FaultSpec& spec : specs_) {
+      const Kind* kind = std::get_if<Kind>(&spec.kind);
+      if (kind != nullptr && interval(spec).contains(time)) return kind;
+    }
+    return nullptr;
+  }
   [[nodiscard]] std::span<const FaultSpec> specs() const { return specs_; }
 
  private:

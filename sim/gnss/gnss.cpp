@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/imu/sample_times.h"
+#include "sim/sample_times.h"
 
 namespace locsim::sim {
 

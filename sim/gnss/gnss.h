@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "sim/gnss/gnss_spec.h"
 #include "sim/gnss/sky.h"
-#include "sim/imu/markov_noise.h"
+#include "sim/markov_noise.h"
 #include "sim/trajectory.h"
 
 namespace locsim::sim {

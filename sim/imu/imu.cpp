@@ -1,9 +1,9 @@
 #include "sim/imu/imu.h"
 
-#include <cmath>
+#include <cassert>
 
 #include "core/physics.h"
-#include "sim/imu/sample_times.h"
+#include "sim/sample_times.h"
 
 namespace locsim::sim {
 
@@ -30,36 +30,38 @@ Vector3d velocity_of(const Trajectory& trajectory, std::size_t step, const Vecto
 
 }  // namespace
 
-Imu::Imu(const ImuSpec& spec, const Pose& T_vehicle_imu, std::uint64_t seed)
+Imu::Imu(const ImuSpec& spec, const Pose& T_vehicle_imu, std::uint64_t seed, const Faults& faults)
     : spec_((check_parameters(spec, "imu"), spec)),
       T_vehicle_imu_(T_vehicle_imu),
-      gyro_white_(seed, "imu/gyro/white"),
-      accelerometer_white_(seed, "imu/accelerometer/white"),
-      gyro_bias_(MarkovNoise::random_walk(seed, "imu/gyro/bias", spec.gyro_bias_initial_rad_s,
-                                          spec.gyro_bias_walk_rad_s_sqrts, spec.period())),
-      accelerometer_bias_(MarkovNoise::random_walk(
-          seed, "imu/accelerometer/bias", spec.accelerometer_bias_initial_m_s2,
-          spec.accelerometer_bias_walk_m_s2_sqrts, spec.period())) {}
+      errors_(spec, seed),
+      faults_(faults, seed) {}
 
 void Imu::sample(const Trajectory& trajectory, Stamp from, Stamp to, std::vector<ImuSample>& out) {
   const std::int64_t steps = spec_.steps_per_sample(trajectory.step());
   const SampleTimes times{.start = trajectory.start(), .period = spec_.period()};
-  for (std::int64_t k = times.first_after(from); times[k] <= to; ++k) {
-    ImuSample sample = ideal(trajectory, static_cast<std::size_t>((k - 1) * steps),
-                             static_cast<std::size_t>(k * steps));
-    if (spec_.noise) add_errors(k, sample);
-    out.push_back(sample);
+  const std::int64_t first = times.first_after(from);
+  assert(first >= next_ || times[next_] > to);
+  // Samples that nobody asked for are made as well: filters and stuck axes remember them.
+  for (; times[next_] <= to; ++next_) {
+    auto [sample, speed_m_s] = ideal(trajectory, static_cast<std::size_t>((next_ - 1) * steps),
+                                     static_cast<std::size_t>(next_ * steps));
+    if (spec_.noise) errors_.sense(next_, speed_m_s, sample);
+    faults_.shift_biases(sample);
+    if (spec_.noise) errors_.digitise(sample);
+    faults_.clip(sample);
+    faults_.hold_stuck_axes(sample);
+    if (next_ >= first && !faults_.is_lost(next_, sample.time)) out.push_back(sample);
   }
 }
 
-ImuSample Imu::ideal(const Trajectory& trajectory, std::size_t first_step,
-                     std::size_t last_step) const {
+Imu::Ideal Imu::ideal(const Trajectory& trajectory, std::size_t first_step,
+                      std::size_t last_step) const {
   ImuSample sample;
   sample.time = time_of_step(trajectory, last_step);
   const double dt_s = to_seconds(sample.time - time_of_step(trajectory, first_step));
   const Vector3d& arm = T_vehicle_imu_.translation;
-  const Vector3d velocity_change_m_s =
-      velocity_of(trajectory, last_step, arm) - velocity_of(trajectory, first_step, arm);
+  const Vector3d velocity_last_m_s = velocity_of(trajectory, last_step, arm);
+  const Vector3d velocity_change_m_s = velocity_last_m_s - velocity_of(trajectory, first_step, arm);
   const Eigen::Quaterniond R_map_first =
       trajectory.poses()[first_step].rotation * T_vehicle_imu_.rotation;
   const Eigen::Quaterniond R_map_last =
@@ -69,17 +71,7 @@ ImuSample Imu::ideal(const Trajectory& trajectory, std::size_t first_step,
   sample.angular_rate_rad_s = turn_rad / dt_s;
   sample.specific_force_m_s2 =
       R_map_middle.conjugate() * (velocity_change_m_s / dt_s - kGravityMap);
-  return sample;
-}
-
-void Imu::add_errors(std::int64_t k, ImuSample& sample) {
-  const auto index = static_cast<std::uint64_t>(k);
-  const double per_sample = 1.0 / std::sqrt(to_seconds(spec_.period()));
-  sample.angular_rate_rad_s +=
-      gyro_bias_.at(k) + spec_.gyro_noise_rad_s_sqrthz * per_sample * gyro_white_.gaussian3(index);
-  sample.specific_force_m_s2 +=
-      accelerometer_bias_.at(k) +
-      spec_.accelerometer_noise_m_s2_sqrthz * per_sample * accelerometer_white_.gaussian3(index);
+  return {.sample = sample, .speed_m_s = velocity_last_m_s.norm()};
 }
 
 }  // namespace locsim::sim

@@ -5,10 +5,11 @@
 
 #include "core/messages.h"
 #include "core/pose.h"
-#include "core/random.h"
 #include "core/time.h"
+#include "sim/faults/faults.h"
+#include "sim/imu/imu_errors.h"
+#include "sim/imu/imu_faults.h"
 #include "sim/imu/imu_spec.h"
-#include "sim/imu/markov_noise.h"
 #include "sim/trajectory.h"
 
 namespace locsim::sim {
@@ -26,29 +27,36 @@ namespace locsim::sim {
 /// Hence a receiver that does R_b = R_a·Exp(ω·Δt), v_b = v_a + (R_m·f + g)·Δt and
 /// p_b = p_a + (v_a + v_b)·Δt/2 has attitude and velocity exactly, and the position to a bounded
 /// Δt²/12·(change of acceleration) as long as the motion has nothing near half the sample rate.
+/// Then come the errors of the unit (imu_errors.h) and what faults make of them.
 class Imu {
  public:
-  /// Throws InputError where `spec` is out of its limits.
-  Imu(const ImuSpec& spec, const Pose& T_vehicle_imu, std::uint64_t seed);
+  /// Of `faults` it asks for those of an IMU. Throws InputError where `spec` is out of its limits.
+  Imu(const ImuSpec& spec, const Pose& T_vehicle_imu, std::uint64_t seed,
+      const Faults& faults = {});
 
-  /// Appends every sample whose interval ends in (from, to], to ≤ trajectory.end(). Samples end at
-  /// trajectory.start() + k·period, k = 1, 2, … Calls go forward in time; how they cut it makes no
-  /// difference. Throws InputError where the rate does not divide that of the trajectory.
+  /// Appends every sample whose interval ends in (from, to], to ≤ trajectory.end(), but those that
+  /// faults lose. Samples end at trajectory.start() + k·period, k = 1, 2, … Calls go forward in
+  /// time, of one trajectory; how they cut it and what they leave out makes no difference. Throws
+  /// InputError where the rate does not divide that of the trajectory.
   void sample(const Trajectory& trajectory, Stamp from, Stamp to, std::vector<ImuSample>& out);
 
   [[nodiscard]] const ImuSpec& spec() const { return spec_; }
 
  private:
-  [[nodiscard]] ImuSample ideal(const Trajectory& trajectory, std::size_t first_step,
-                                std::size_t last_step) const;
-  void add_errors(std::int64_t k, ImuSample& sample);
+  struct Ideal {
+    ImuSample sample;
+    /// Of the imu, at the end of the interval.
+    double speed_m_s;
+  };
+  [[nodiscard]] Ideal ideal(const Trajectory& trajectory, std::size_t first_step,
+                            std::size_t last_step) const;
 
   ImuSpec spec_;
   Pose T_vehicle_imu_;
-  RandomStream gyro_white_;
-  RandomStream accelerometer_white_;
-  MarkovNoise gyro_bias_;
-  MarkovNoise accelerometer_bias_;
+  ImuErrors errors_;
+  ImuFaults faults_;
+  /// The first sample that has not been made.
+  std::int64_t next_ = 1;
 };
 
 }  // namespace locsim::sim

@@ -7,28 +7,48 @@
 #include <vector>
 
 #include "core/pose.h"
+#include "core/time.h"
 #include "sim/lidar/lidar_spec.h"
 #include "sim/lidar/return_model.h"
 
 namespace locsim::sim {
 
-/// One beam in the frame that turns with the head and holds still for a firing cycle: the turn
+/// One ray in the frame that turns with the head and holds still for a firing cycle: the turn
 /// until the laser fires is part of its direction.
-struct BeamDirection {
+struct BeamRay {
   Vector3f direction = Vector3f::UnitX();
+  /// Where it leaves, from the sensor's middle [m].
+  Vector3f origin_m = Vector3f::Zero();
   /// Firing time in cycles, 0…1.
   float fraction = 0.0F;
 };
 
-[[nodiscard]] std::vector<BeamDirection> beam_directions(const LidarSpec& spec);
+/// The rays of all beams in firing order, `sub_rays` for each, its middle first.
+///
+/// A beam's power is Gaussian over its width (1/e² at the full divergence). Of N sub-rays the one
+/// in the middle stands for the disc that holds 1/N of the power, the others, even around it, for
+/// the rest, at the radius that halves the rest's power; so all weigh the same.
+[[nodiscard]] std::vector<BeamRay> beam_rays(const LidarSpec& spec);
 
-/// The head's azimuth at the start of a firing cycle.
-struct HeadAngle {
-  float cos = 1.0F;
-  float sin = 0.0F;
+/// Where the head points and how far its mirror is lifted at the start of a firing cycle.
+struct HeadTurn {
+  float cos_azimuth = 1.0F;
+  float sin_azimuth = 0.0F;
+  float cos_nod = 1.0F;
+  float sin_nod = 0.0F;
+
+  [[nodiscard]] Vector3f operator*(const Vector3f& v) const {
+    const float x = cos_nod * v.x() - sin_nod * v.z();
+    return {cos_azimuth * x - sin_azimuth * v.y(), sin_azimuth * x + cos_azimuth * v.y(),
+            sin_nod * v.x() + cos_nod * v.z()};
+  }
+  [[nodiscard]] Matrix3d matrix() const;
 };
 
-[[nodiscard]] std::vector<HeadAngle> head_angles(const LidarSpec& spec);
+/// The head's turns through one scan of a sensor that repeats itself.
+[[nodiscard]] std::vector<HeadTurn> head_turns(const LidarSpec& spec);
+/// The head's turn at an instant of a sensor whose pattern runs on.
+[[nodiscard]] HeadTurn head_turn_at(const LidarSpec& spec, Stamp time);
 
 /// Where the rays of `kLanes` successive firing cycles start and how they turn, lane by lane.
 ///
@@ -38,12 +58,18 @@ struct HeadAngle {
 class BlockMotion {
  public:
   /// `poses[i]` takes the lidar to the frame of the rays at the start of cycle i, one more for the
-  /// end of the last; `heads` are the angles of the same cycles. Fewer than kLanes cycles leave the
+  /// end of the last; `heads` are the turns of the same cycles. Fewer than kLanes cycles leave the
   /// last lanes dark.
-  BlockMotion(std::span<const Pose> poses, std::span<const HeadAngle> heads);
+  BlockMotion(std::span<const Pose> poses, std::span<const HeadTurn> heads);
 
   /// The beam's rays, nothing met yet, farthest ends at `range_m`.
-  void fill(const BeamDirection& beam, const Lanes& range_m, RTCRayHit16& packet) const;
+  void fill(const BeamRay& beam, const Lanes& range_m, RTCRayHit16& packet) const;
+  /// One of them.
+  struct Ray {
+    Vector3f origin_m;
+    Vector3f direction;
+  };
+  [[nodiscard]] Ray ray(const BeamRay& beam, int lane) const;
   /// −1 for a ray, 0 for a dark lane, as Embree wants it.
   [[nodiscard]] const int* valid() const { return valid_.data(); }
 

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -16,59 +15,99 @@ namespace {
 
 constexpr double kNoiseReach_sigma = 7.0;  // beyond what 32 random bits can draw
 constexpr double kSlack_m = 1.0;           // the way of a car within one block, generously
-constexpr double kSlack_rad = 1e-3;
+constexpr std::size_t kDraws = 4;          // random numbers by one call
+constexpr std::uint64_t kSecondReturn = 1ULL << 32;
 
 std::size_t blocks_of(std::size_t cycles) {
   return (cycles + kLanes - 1) / kLanes;
 }
 
-// Which directions of the lidar frame may meet a sphere.
-struct Cap {
-  double azimuth_rad;
-  double elevation_rad;
-  double half_azimuth_rad;
-  double half_elevation_rad;
-  double distance_m;
+std::uint64_t draw_index(Stamp time) {
+  return static_cast<std::uint64_t>(time.time_since_epoch().count());
+}
+
+std::int64_t whole_second(Stamp time) {
+  return std::chrono::floor<std::chrono::seconds>(time.time_since_epoch()).count();
+}
+
+// The echo of a beam whose power all comes back within one pulse, and how far apart it does.
+struct BeamEcho {
+  Lanes range_m;
+  Lanes power;
+  /// Infinite where some of it met nothing.
+  Lanes nearest_m;
+  Lanes farthest_m;
 };
 
-Cap cap_of(const Vector3d& center, double radius_m) {
-  const double level_m = center.head<2>().norm();
-  const double distance_m = center.norm();
-  const auto half_angle = [&](double d) {
-    return d > radius_m ? std::asin(radius_m / d) + kSlack_rad : std::numbers::pi;
-  };
-  return {.azimuth_rad = std::atan2(center.y(), center.x()),
-          .elevation_rad = std::atan2(center.z(), level_m),
-          .half_azimuth_rad = half_angle(level_m),
-          .half_elevation_rad = half_angle(distance_m),
-          .distance_m = distance_m - radius_m};
+Lanes powers_of(const SurfaceEchoes& surface, float extinction_1_m) {
+  Lanes power = surface.strength / (surface.range_m * surface.range_m);
+  if (extinction_1_m > 0.0F) power *= (-2.0F * extinction_1_m * surface.range_m).exp();
+  return power;
+}
+
+BeamEcho beam_echo(std::span<const SurfaceEchoes> surfaces, float extinction_1_m) {
+  const Lanes& middle_m = surfaces.front().range_m;
+  BeamEcho echo{middle_m, powers_of(surfaces.front(), extinction_1_m), middle_m, middle_m};
+  if (surfaces.size() == 1) return echo;
+  Lanes moment = Lanes::Zero();
+  echo.power.setZero();
+  for (const SurfaceEchoes& surface : surfaces) {
+    // What met nothing has no strength to speak of.
+    const Lanes power =
+        (surface.range_m < std::numeric_limits<float>::infinity())
+            .select(powers_of(surface, extinction_1_m) / static_cast<float>(surfaces.size()), 0.0F);
+    echo.power += power;
+    moment += (power > 0.0F).select(power * surface.range_m, 0.0F);
+    echo.nearest_m = echo.nearest_m.min(surface.range_m);
+    echo.farthest_m = echo.farthest_m.max(surface.range_m);
+  }
+  echo.range_m = moment / echo.power;
+  return echo;
 }
 
 }  // namespace
 
-// What the rays of one block have in common.
-struct Lidar::Block {
-  std::size_t first_cycle;
-  std::size_t cycles;
-  std::array<Stamp, kLanes + 1> times;
-  std::array<Pose, kLanes + 1> T_map_lidar;
-
-  [[nodiscard]] std::span<const Pose> poses() const { return {T_map_lidar.data(), cycles + 1}; }
+// What the threads that cast blocks write, one each.
+struct Lidar::Scratch {
+  SceneEchoes scene;
+  /// A packet a beam, the chosen return and, in dual mode, the second.
+  std::array<std::vector<Returns>, 2> returns;
+  /// First of `scene.further` that no beam before had.
+  std::size_t next_further = 0;
+  std::vector<Echo> echoes;
 };
 
-Lidar::Lidar(LidarSpec spec, const Pose& T_vehicle_lidar, std::uint16_t sensor, std::uint64_t seed)
+Lidar::Lidar(LidarSpec spec, const Pose& T_vehicle_lidar, std::uint16_t sensor, std::uint64_t seed,
+             Weather weather, Faults faults)
     : spec_((check_parameters(spec, "lidar"), std::move(spec))),
       T_vehicle_lidar_(T_vehicle_lidar),
       sensor_(sensor),
+      weather_(std::move(weather)),
+      faults_(std::move(faults)),
+      receiver_(spec_),
       range_noise_(seed, "lidar/" + std::to_string(sensor) + "/range"),
-      beams_(beam_directions(spec_)),
-      heads_(head_angles(spec_)),
+      air_noise_(seed, "lidar/" + std::to_string(sensor) + "/air"),
+      rays_(beam_rays(spec_)),
+      sub_rays_(static_cast<std::size_t>(spec_.sub_rays)),
       rings_(spec_.rings()),
-      cast_range_m_(
-          static_cast<float>(spec_.range_max_m + kNoiseReach_sigma * spec_.range_noise_m)) {
-  for (const LidarBeam& beam : spec_.beams) {
-    azimuth_spread_rad_ = std::max(azimuth_spread_rad_, std::abs(beam.azimuth_offset_rad));
+      biases_m_(spec_.beams.size()),
+      cast_range_m_(static_cast<float>(
+          spec_.range_max_m + 5.0 * spec_.beam_bias_m +
+          kNoiseReach_sigma * std::hypot(spec_.range_noise_m, spec_.weak_range_noise_m))) {
+  if (spec_.repeats()) heads_ = head_turns(spec_);
+  const RandomStream unit(seed, "lidar/" + std::to_string(sensor) + "/bias");
+  for (std::size_t b = 0; b < biases_m_.size(); ++b) {
+    if (spec_.effects.beam_bias) {
+      biases_m_[b] = static_cast<float>(spec_.beam_bias_m * unit.gaussian(b));
+    }
+    spread_.azimuth_rad =
+        std::max(spread_.azimuth_rad, std::abs(spec_.beams[b].azimuth_offset_rad));
   }
+  const double cone_rad = std::max(spec_.divergence_rad[0], spec_.divergence_rad[1]);
+  // A lifted mirror turns azimuths, too, the more the steeper.
+  spread_.azimuth_rad += cone_rad + std::abs(spec_.turn_rate_rad_s()) * to_seconds(spec_.cycle) +
+                         (spec_.nod_amplitude_rad > 0.0 ? std::numbers::pi : 0.0);
+  spread_.elevation_rad = cone_rad + spec_.nod_amplitude_rad;
 }
 
 LidarScan Lidar::start_scan(Stamp start) const {
@@ -79,19 +118,58 @@ LidarScan Lidar::start_scan(Stamp start) const {
 
 Stamp Lidar::block_end(const LidarScan& scan, std::size_t block) const {
   return scan.start +
-         spec_.cycle * static_cast<std::int64_t>(std::min((block + 1) * kLanes, heads_.size()));
+         spec_.cycle * static_cast<std::int64_t>(std::min((block + 1) * kLanes, spec_.cycles()));
+}
+
+FiringBlock Lidar::firing_block(const Trajectory& trajectory, Stamp scan_start,
+                                std::size_t index) const {
+  FiringBlock block;
+  block.first_cycle = index * kLanes;
+  block.cycles = std::min<std::size_t>(kLanes, spec_.cycles() - block.first_cycle);
+  for (std::size_t i = 0; i <= block.cycles; ++i) {
+    block.times[i] = scan_start + spec_.cycle * static_cast<std::int64_t>(block.first_cycle + i);
+    block.T_map_lidar[i] = trajectory.pose_at(block.times[i]) * T_vehicle_lidar_;
+    const LidarKnock* knock = faults_.active<LidarKnock>(block.times[i]);
+    if (knock != nullptr && knock->includes(sensor_)) {
+      block.T_map_lidar[i] = block.T_map_lidar[i] * knock->offset();
+    }
+    if (i == block.cycles) break;
+    block.heads[i] =
+        heads_.empty() ? head_turn_at(spec_, block.times[i]) : heads_[block.first_cycle + i];
+  }
+  return block;
+}
+
+void Lidar::prepare_air(Stamp from, Stamp to) {
+  if (!spec_.effects.weather || weather_.is_clear()) return;
+  const std::int64_t first = whole_second(from);
+  std::erase_if(air_, [&](const Air& air) { return air.second < first; });
+  for (std::int64_t second = first; second <= whole_second(to); ++second) {
+    if (air_at(Stamp{std::chrono::seconds{second}}) != nullptr) continue;
+    const Atmosphere now = weather_.at(Stamp{std::chrono::seconds{second}});
+    air_.push_back({second, std::make_shared<const AirEchoes>(now, spec_)});
+  }
+}
+
+const AirEchoes* Lidar::air_at(Stamp time) const {
+  const std::int64_t second = whole_second(time);
+  for (const Air& air : air_) {
+    if (air.second == second) return air.echoes.get();
+  }
+  return nullptr;
 }
 
 void Lidar::cast(const RayScene& scene, const Trajectory& trajectory, Stamp from, Stamp to,
                  LidarScan& scan) {
   std::size_t first = 0;
-  const std::size_t blocks = blocks_of(heads_.size());
+  const std::size_t blocks = blocks_of(spec_.cycles());
   while (first < blocks && block_end(scan, first) <= from) ++first;
   std::size_t last = first;
   while (last < blocks && block_end(scan, last) <= to) ++last;
   if (first == last) return;
 
   const Stamp begin = first == 0 ? scan.start : block_end(scan, first - 1);
+  const Stamp end = block_end(scan, last - 1);
   const Vector3d center = trajectory.pose_at(begin).translation;
   double way_m = 0.0;
   for (std::size_t block = first; block < last; ++block) {
@@ -99,15 +177,17 @@ void Lidar::cast(const RayScene& scene, const Trajectory& trajectory, Stamp from
     way_m = std::max(way_m, (place - center).norm());
   }
   const double reach_m = cast_range_m_ + way_m + T_vehicle_lidar_.translation.norm() + kSlack_m;
-  const std::vector<std::uint32_t> near =
-      scene.actors_near(center, reach_m, begin, block_end(scan, last - 1));
+  const std::vector<std::uint32_t> near = scene.actors_near(center, reach_m, begin, end);
+  prepare_air(begin, end);
 
-  const std::size_t room = kLanes * beams_.size();
+  const std::vector<Optics> optics = optics_of(scene.materials(), spec_.effects);
+  const SceneCaster caster(scene, rays_, optics, spread_, cast_range_m_);
+  const std::size_t room = kLanes * spec_.beams.size() * (receiver_.is_dual() ? 2 : 1);
   slots_.resize((last - first) * room);
   std::vector<std::size_t> counts(last - first);
-  tbb::parallel_for(first, last, [&](std::size_t block) {
-    counts[block - first] = cast_block(scene, trajectory, near, scan.start, block,
-                                       slots_.data() + (block - first) * room);
+  tbb::parallel_for(first, last, [&](std::size_t index) {
+    counts[index - first] = cast_block(caster, firing_block(trajectory, scan.start, index), near,
+                                       scan.start, slots_.data() + (index - first) * room);
   });
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const LidarPoint* const points = slots_.data() + i * room;
@@ -115,128 +195,174 @@ void Lidar::cast(const RayScene& scene, const Trajectory& trajectory, Stamp from
   }
 }
 
-std::size_t Lidar::cast_block(const RayScene& scene, const Trajectory& trajectory,
+std::size_t Lidar::cast_block(const SceneCaster& caster, const FiringBlock& block,
                               std::span<const std::uint32_t> near_actors, Stamp scan_start,
-                              std::size_t index, LidarPoint* points) const {
-  Block block;
-  block.first_cycle = index * kLanes;
-  block.cycles = std::min<std::size_t>(kLanes, heads_.size() - block.first_cycle);
-  for (std::size_t i = 0; i <= block.cycles; ++i) {
-    block.times[i] = scan_start + spec_.cycle * static_cast<std::int64_t>(block.first_cycle + i);
-    block.T_map_lidar[i] = trajectory.pose_at(block.times[i]) * T_vehicle_lidar_;
+                              LidarPoint* points) const {
+  Scratch scratch;
+  caster.cast(block, near_actors, scratch.scene);
+  const std::size_t lists = receiver_.is_dual() ? 2 : 1;
+  for (std::size_t which = 0; which < lists; ++which) {
+    scratch.returns[which].resize(spec_.beams.size());
   }
-  std::vector<Echoes> echoes(beams_.size());
-  meet_standing(scene, block, echoes);
-  for (const std::uint32_t actor : near_actors) meet_actor(scene, actor, block, echoes);
-  return report(block, scan_start, echoes, points);
+  receive(block, air_at(block.times[0]), scratch);
+  for (std::size_t which = 0; which < lists; ++which) measure(block, which, scratch);
+  return report(block, scan_start, scratch, points);
 }
 
-void Lidar::meet_standing(const RayScene& scene, const Block& block,
-                          std::vector<Echoes>& echoes) const {
-  const BlockMotion motion(block.poses(), {heads_.data() + block.first_cycle, block.cycles});
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  const Lanes limit_m = Lanes::Constant(cast_range_m_);
-  for (std::size_t b = 0; b < beams_.size(); ++b) {
-    RTCRayHit16 packet;
-    motion.fill(beams_[b], limit_m, packet);
-    rtcIntersect16(motion.valid(), scene.standing_scene(), &context, &packet);
-    echoes[b].cos_incidence = cos_incidence(packet);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const unsigned geometry = packet.hit.geomID[lane];
-      const bool is_met = geometry != RTC_INVALID_GEOMETRY_ID;
-      echoes[b].range_m(lane) =
-          is_met ? packet.ray.tfar[lane] : std::numeric_limits<float>::infinity();
-      echoes[b].reflectivity(lane) =
-          is_met ? scene.standing_reflectivity(geometry, packet.hit.primID[lane]) : 0.0F;
+// Share of the light that passes the window there and back.
+Lanes Lidar::window_gain(const FiringBlock& block, std::size_t beam) const {
+  Lanes gain = Lanes::Ones();
+  for (const auto& [interval, dirt] : faults_.all<LidarDirt>()) {
+    if (!dirt.includes(sensor_)) continue;
+    for (std::size_t i = 0; i < block.cycles; ++i) {
+      if (!interval.contains(block.times[i])) continue;
+      const Vector3f direction = block.heads[i] * rays_[beam * sub_rays_].direction;
+      if (dirt.covers(std::atan2(direction.y(), direction.x()))) {
+        gain(static_cast<Eigen::Index>(i)) *=
+            static_cast<float>(dirt.transmission * dirt.transmission);
+      }
     }
   }
+  return gain;
 }
 
-void Lidar::meet_actor(const RayScene& scene, std::uint32_t index, const Block& block,
-                       std::vector<Echoes>& echoes) const {
-  const Actor& actor = scene.actors()[index];
-  const auto T_actor_lidar = [&](std::size_t i) {
-    return actor.pose_at(block.times[i]).inverse() * block.T_map_lidar[i];
+void Lidar::receive(const FiringBlock& block, const AirEchoes* air, Scratch& scratch) const {
+  const auto is_dirty = [&](const auto& fault) {
+    return fault.fault.includes(sensor_) && fault.interval.begin < block.times[block.cycles] &&
+           fault.interval.end > block.times[0];
   };
-  // The actor's sphere along its way through the lidar frame, straight within a block.
-  const RayScene::Sphere& bounds = scene.bounds(index);
-  const Vector3d at_start = T_actor_lidar(0).inverse() * bounds.center;
-  const Vector3d at_end = T_actor_lidar(block.cycles).inverse() * bounds.center;
-  const Cap cap =
-      cap_of(0.5 * (at_start + at_end), bounds.radius_m + 0.5 * (at_end - at_start).norm());
-  if (cap.distance_m > cast_range_m_) return;
-  const double turn_rad = 2.0 * std::numbers::pi * spec_.rate_hz * to_seconds(spec_.cycle);
-  const double half_turn_rad = 0.5 * turn_rad * static_cast<double>(block.cycles);
-  const HeadAngle& head = heads_[block.first_cycle];
-  const double middle_rad =
-      std::atan2(head.sin, head.cos) + (spec_.clockwise ? -half_turn_rad : half_turn_rad);
-  if (std::abs(wrap_angle(cap.azimuth_rad - middle_rad)) >
-      cap.half_azimuth_rad + half_turn_rad + azimuth_spread_rad_) {
-    return;
-  }
-
-  std::array<Pose, kLanes + 1> poses;
-  for (std::size_t i = 0; i <= block.cycles; ++i) poses[i] = T_actor_lidar(i);
-  const BlockMotion motion({poses.data(), block.cycles + 1},
-                           {heads_.data() + block.first_cycle, block.cycles});
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  for (std::size_t b = 0; b < beams_.size(); ++b) {
-    if (std::abs(spec_.beams[b].elevation_rad - cap.elevation_rad) > cap.half_elevation_rad) {
-      continue;
+  if (std::ranges::any_of(faults_.all<LidarDirt>(), is_dirty)) {
+    for (std::size_t r = 0; r < rays_.size(); ++r) {
+      const Lanes gain = window_gain(block, r / sub_rays_);
+      scratch.scene.surfaces[r].strength *= gain;
+      for (FurtherEcho& echo : scratch.scene.further) {
+        if (echo.ray == r) echo.strength *= gain(echo.lane);
+      }
     }
-    RTCRayHit16 packet;
-    motion.fill(beams_[b], echoes[b].range_m.min(cast_range_m_), packet);
-    rtcIntersect16(motion.valid(), scene.actor_scene(index), &context, &packet);
-    const Lanes cosines = cos_incidence(packet);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
-      echoes[b].range_m(lane) = packet.ray.tfar[lane];
-      echoes[b].cos_incidence(lane) = cosines(lane);
-      echoes[b].reflectivity(lane) = scene.actor_reflectivity(index, packet.hit.primID[lane]);
+  }
+  for (std::size_t beam = 0; beam < spec_.beams.size(); ++beam) {
+    receive_beam(block, beam, air, scratch);
+  }
+}
+
+void Lidar::receive_beam(const FiringBlock& block, std::size_t beam, const AirEchoes* air,
+                         Scratch& scratch) const {
+  const std::span<const SurfaceEchoes> surfaces(&scratch.scene.surfaces[beam * sub_rays_],
+                                                sub_rays_);
+  const float extinction_1_m = air == nullptr ? 0.0F : air->extinction_1_m();
+  const BeamEcho whole = beam_echo(surfaces, extinction_1_m);
+  Returns& main = scratch.returns[0][beam];
+  main.power = whole.power;
+  main.range_m =
+      (whole.power > 0.0F && whole.power >= receiver_.limit()).select(whole.range_m, 0.0F);
+  if (receiver_.is_dual()) scratch.returns[1][beam].range_m.setZero();
+
+  // All others get the whole list of their echoes.
+  const std::vector<FurtherEcho>& further = scratch.scene.further;
+  const std::size_t first = scratch.next_further;
+  std::size_t last = first;
+  while (last < further.size() && further[last].ray < (beam + 1) * sub_rays_) ++last;
+  scratch.next_further = last;
+  if (air == nullptr && first == last && sub_rays_ == 1) return;
+  const float share = 1.0F / static_cast<float>(sub_rays_);
+  for (int lane = 0; lane < static_cast<int>(block.cycles); ++lane) {
+    Echo of_air;
+    if (air != nullptr) {
+      const auto bits =
+          air_noise_.bits(draw_index(block.times[static_cast<std::size_t>(lane)]), beam);
+      const AirEchoes::Echo drop = air->strongest(whole.nearest_m(lane), bits);
+      of_air = {.range_m = drop.range_m, .power = drop.power};
+    }
+    const bool has_further =
+        std::any_of(further.begin() + static_cast<std::ptrdiff_t>(first),
+                    further.begin() + static_cast<std::ptrdiff_t>(last),
+                    [lane](const FurtherEcho& echo) { return echo.lane == lane; });
+    const bool is_split = sub_rays_ > 1 && whole.farthest_m(lane) - whole.nearest_m(lane) >
+                                               receiver_.pulse_length_m();
+    if (!has_further && !is_split && of_air.power == 0.0F) continue;
+
+    scratch.echoes.assign(1, of_air);
+    const auto add = [&](float range_m, float strength) {
+      if (std::isinf(range_m)) return;
+      scratch.echoes.push_back(
+          {range_m, received_power(share * strength, range_m, extinction_1_m)});
+    };
+    for (std::size_t s = 0; s < sub_rays_; ++s) {
+      add(surfaces[s].range_m(lane), surfaces[s].strength(lane));
+    }
+    for (std::size_t i = first; i < last; ++i) {
+      if (further[i].lane == lane) add(further[i].range_m, further[i].strength);
+    }
+    const ReportedEchoes reported = receiver_.report(scratch.echoes);
+    main.range_m(lane) = reported[0].range_m;
+    main.power(lane) = reported[0].power;
+    if (receiver_.is_dual()) {
+      scratch.returns[1][beam].range_m(lane) = reported[1].range_m;
+      scratch.returns[1][beam].power(lane) = reported[1].power;
     }
   }
 }
 
-std::size_t Lidar::report(const Block& block, Stamp scan_start, const std::vector<Echoes>& echoes,
+// Turns ranges into what the sensor says of them.
+void Lidar::measure(const FiringBlock& block, std::size_t which, Scratch& scratch) const {
+  std::vector<Returns>& returns = scratch.returns[which];
+  const bool is_noisy =
+      spec_.effects.noise && (spec_.range_noise_m > 0.0 || spec_.weak_range_noise_m > 0.0);
+  const auto variance_m2 = static_cast<float>(spec_.range_noise_m * spec_.range_noise_m);
+  const auto weak_m2 = static_cast<float>(spec_.weak_range_noise_m * spec_.weak_range_noise_m) *
+                       detection_limit(spec_);
+  const auto step_m = static_cast<float>(spec_.effects.quantisation ? spec_.range_step_m : 0.0);
+  std::array<Lanes, kDraws> normals;
+  for (std::size_t b = 0; b < returns.size(); ++b) {
+    Lanes range_m = returns[b].range_m;
+    if (is_noisy) {
+      if (b % kDraws == 0) {
+        for (std::size_t i = 0; i < block.cycles; ++i) {
+          // A firing cycle's own time and the laser's number name each ray of a whole run.
+          const auto bits = range_noise_.bits(draw_index(block.times[i]),
+                                              b / kDraws + (which == 0 ? 0 : kSecondReturn));
+          for (std::size_t k = 0; k < kDraws; ++k) {
+            normals[k](static_cast<Eigen::Index>(i)) = gaussian_from_bits(bits[k]);
+          }
+        }
+      }
+      range_m += (variance_m2 + weak_m2 / returns[b].power).sqrt() * normals[b % kDraws];
+    }
+    range_m += biases_m_[b];
+    // Ranges are positive: cutting off after adding a half rounds them.
+    if (step_m > 0.0F) range_m = step_m * (range_m / step_m + 0.5F).cast<int>().cast<float>();
+    returns[b].range_m =
+        (returns[b].range_m > 0.0F && range_m >= static_cast<float>(spec_.range_min_m) &&
+         range_m <= static_cast<float>(spec_.range_max_m))
+            .select(range_m, 0.0F);
+  }
+}
+
+std::size_t Lidar::report(const FiringBlock& block, Stamp scan_start, const Scratch& scratch,
                           LidarPoint* points) const {
-  constexpr std::size_t kDraws = 4;
-  const auto range_min_m = static_cast<float>(spec_.range_min_m);
-  const auto range_max_m = static_cast<float>(spec_.range_max_m);
-  std::vector<Returns> returns(beams_.size());
-  std::ranges::transform(echoes, returns.begin(),
-                         [&](const Echoes& e) { return detect(e, range_max_m); });
+  const std::size_t lists = receiver_.is_dual() ? 2 : 1;
   LidarPoint* next = points;
   for (std::size_t i = 0; i < block.cycles; ++i) {
+    const LidarBlackout* blackout = faults_.active<LidarBlackout>(block.times[i]);
+    if (blackout != nullptr && blackout->includes(sensor_)) continue;
     const auto lane = static_cast<Eigen::Index>(i);
-    const HeadAngle head = heads_[block.first_cycle + i];
     const Duration since_start = block.times[i] - scan_start;
-    // A firing cycle's own time and the laser's number name each ray of a whole run.
-    const auto cycle_ns = static_cast<std::uint64_t>(block.times[i].time_since_epoch().count());
-    std::array<std::uint32_t, kDraws> bits{};
-    for (std::size_t b = 0; b < beams_.size(); ++b) {
-      if (b % kDraws == 0 && spec_.range_noise_m > 0.0) {
-        bits = range_noise_.bits(cycle_ns, b / kDraws);
+    for (std::size_t b = 0; b < spec_.beams.size(); ++b) {
+      for (std::size_t which = 0; which < lists; ++which) {
+        const Returns& returns = scratch.returns[which][b];
+        const float range_m = returns.range_m(lane);
+        if (range_m == 0.0F) continue;
+        const BeamRay& ray = rays_[b * sub_rays_];
+        const Vector3f p = block.heads[i] * Vector3f(range_m * ray.direction + ray.origin_m);
+        *next++ = {.x_m = p.x(),
+                   .y_m = p.y(),
+                   .z_m = p.z(),
+                   .intensity = std::min(returns.power(lane) * range_m * range_m, 1.0F),
+                   .time_ns = static_cast<std::uint32_t>(
+                       (since_start + spec_.beams[b].firing_time).count()),
+                   .ring = rings_[b],
+                   .sensor = sensor_};
       }
-      float range_m = returns[b].range_m(lane);
-      if (range_m == 0.0F) continue;
-      if (spec_.range_noise_m > 0.0) {
-        range_m += static_cast<float>(spec_.range_noise_m *
-                                      inverse_normal_cdf(uniform_from_bits(bits[b % kDraws])));
-      }
-      if (range_m < range_min_m || range_m > range_max_m) continue;
-      const Vector3f& u = beams_[b].direction;
-      *next++ = {
-          .x_m = range_m * (head.cos * u.x() - head.sin * u.y()),
-          .y_m = range_m * (head.sin * u.x() + head.cos * u.y()),
-          .z_m = range_m * u.z(),
-          .intensity = returns[b].intensity(lane),
-          .time_ns = static_cast<std::uint32_t>((since_start + spec_.beams[b].firing_time).count()),
-          .ring = rings_[b],
-          .sensor = sensor_};
     }
   }
   return static_cast<std::size_t>(next - points);

@@ -15,6 +15,10 @@ double to_degrees(double angle_rad) {
   return std::round(angle_rad / kDegree * 1e10) / 1e10;
 }
 
+double to_milliradians(double angle_rad) {
+  return std::round(angle_rad * 1e13) / 1e10;
+}
+
 double to_microseconds(Duration duration) {
   return static_cast<double>(duration.count()) / 1e3;
 }
@@ -32,22 +36,69 @@ std::vector<double> column(const std::vector<LidarBeam>& beams, Get get) {
 
 }  // namespace
 
+void LidarEffects::describe(Parameters& p) {
+  p.flag("noise", noise);
+  p.flag("beam_bias", beam_bias);
+  p.flag("quantisation", quantisation);
+  p.flag("detection_limit", detection_limit);
+  p.flag("incidence", incidence);
+  p.flag("glass", glass);
+  p.flag("retroreflection", retroreflection);
+  p.flag("weather", weather);
+}
+
 void LidarSpec::describe(Parameters& p) {
   p.text("name", name);
+  p.number("wavelength_nm", wavelength_nm, {.min = 400.0, .max = 2000.0});
+  describe_scanning(p);
+  describe_ranging(p);
+  describe_pulse(p);
+  p.group("effects", effects);
+  describe_beams(p);
+}
+
+void LidarSpec::describe_scanning(Parameters& p) {
   p.number("rate_hz", rate_hz, {.min = 1.0, .max = 100.0});
+  p.number("head_rate_hz", head_rate_hz, {.min = 0.0, .max = 1000.0});
+  p.degrees("nod_amplitude_deg", nod_amplitude_rad, {.min = 0.0, .max = 90.0});
+  p.number("nod_rate_hz", nod_rate_hz, {.min = 0.0, .max = 1e4});
   p.flag("clockwise", clockwise);
   p.degrees("start_azimuth_deg", start_azimuth_rad, {.min = -360.0, .max = 360.0});
+  p.number("beam_origin_m", beam_origin_m, {.min = 0.0, .max = 0.5});
+}
+
+void LidarSpec::describe_ranging(Parameters& p) {
   p.number("range_min_m", range_min_m, kNotNegative);
   p.number("range_max_m", range_max_m, {.min = 1.0, .max = 1000.0});
-  p.number("range_noise_m", range_noise_m, {.min = 0.0, .max = 1.0});
   if (range_min_m >= range_max_m) {
     p.fail("range_min_m", "is not below range_max_m; exchange or correct them");
   }
+  p.number("detection_range_m", detection_range_m, {.min = 1.0, .max = 10'000.0});
+  p.number("detection_reflectivity", detection_reflectivity, {.min = 0.001, .max = 1.0});
+  p.number("range_noise_m", range_noise_m, {.min = 0.0, .max = 1.0});
+  p.number("weak_range_noise_m", weak_range_noise_m, {.min = 0.0, .max = 1.0});
+  p.number("range_step_m", range_step_m, {.min = 0.0, .max = 1.0});
+  p.number("beam_bias_m", beam_bias_m, {.min = 0.0, .max = 1.0});
+}
 
+void LidarSpec::describe_pulse(Parameters& p) {
+  std::vector<double> divergence_mrad = {to_milliradians(divergence_rad[0]),
+                                         to_milliradians(divergence_rad[1])};
+  p.numbers("divergence_mrad", divergence_mrad, 2, {.min = 0.0, .max = 100.0});
+  for (std::size_t i = 0; i < 2; ++i) divergence_rad[i] = 1e-3 * divergence_mrad[i];
+  p.number("pulse_ns", pulse_ns, {.min = 0.1, .max = 100.0});
+  p.integer("sub_rays", sub_rays, {.min = 1.0, .max = 9.0});
+  if (std::ranges::find(kSubRays, sub_rays) == kSubRays.end()) {
+    p.fail("sub_rays", "is " + std::to_string(sub_rays) + ", needs 1, 5, 7 or 9");
+  }
+  p.choice("returns", returns, kReturnModes);
+}
+
+void LidarSpec::describe_beams(Parameters& p) {
   double cycle_us = to_microseconds(cycle);
   p.number("cycle_us", cycle_us, {.min = 1.0, .max = 1e4});
   cycle = from_microseconds(cycle_us);
-  if (cycle > period()) p.fail("cycle_us", "is longer than a revolution at rate_hz");
+  if (cycle > period()) p.fail("cycle_us", "is longer than a scan at rate_hz");
 
   auto elevations_deg = column(beams, [](auto& b) { return to_degrees(b.elevation_rad); });
   auto offsets_deg = column(beams, [](auto& b) { return to_degrees(b.azimuth_offset_rad); });
@@ -76,6 +127,15 @@ Duration LidarSpec::period() const {
 
 std::size_t LidarSpec::cycles() const {
   return static_cast<std::size_t>(period() / cycle);
+}
+
+bool LidarSpec::repeats() const {
+  return (head_rate_hz == 0.0 || head_rate_hz == rate_hz) && nod_amplitude_rad == 0.0;
+}
+
+double LidarSpec::turn_rate_rad_s() const {
+  const double turns_1_s = head_rate_hz == 0.0 ? rate_hz : head_rate_hz;
+  return (clockwise ? -2.0 : 2.0) * std::numbers::pi * turns_1_s;
 }
 
 std::vector<std::uint16_t> LidarSpec::rings() const {

@@ -1,6 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/mesh.h"
+#include "sim/lidar/lidar_spec.h"
 
 namespace locsim::sim {
 
@@ -8,35 +16,77 @@ namespace locsim::sim {
 inline constexpr int kLanes = 16;
 using Lanes = Eigen::Array<float, kLanes, 1>;
 
-/// What the surfaces that a packet met send back.
-struct Echoes {
-  /// Infinite where nothing was met.
-  Lanes range_m;
-  Lanes reflectivity;
-  /// Cosine of the angle of incidence, 0…1.
-  Lanes cos_incidence;
-};
-
-/// What the sensor makes of them.
-struct Returns {
-  /// Without noise; 0 where the sensor sees nothing.
-  Lanes range_m;
-  Lanes intensity;
-};
-
-/// An echo is seen where it is strong enough: ρ/R² against 0.9/R_max², which a 90 % diffuse target
-/// at the sensor's range limit returns (the sensor model of LISA, Kilic et al. 2021). Incidence is
-/// left out of that on purpose: rough asphalt sends more back at grazing incidence than Lambert's
-/// cosine grants; with the cosine the road would end 15 m from the car, where real scans show it
-/// to 40 m.
+/// How a surface sends light back to where it came from, as a diffuse target of reflectivity
 ///
-/// Intensity is calibrated to the target's reflectivity, as sensors report it: ρ·cos, the falloff
-/// with range taken off, at most 1.
-[[nodiscard]] inline Returns detect(const Echoes& echoes, float range_max_m) {
-  return {.range_m = (echoes.reflectivity * (range_max_m * range_max_m) >=
-                      0.9F * echoes.range_m * echoes.range_m)
-                         .select(echoes.range_m, 0.0F),
-          .intensity = (echoes.reflectivity * echoes.cos_incidence).min(1.0F)};
+///     ρ(θ) = lambert·cos θ + rough·sin² θ + flat
+///
+/// at the angle of incidence θ would. Rough surfaces after Oren and Nayar (1994) with source and
+/// receiver in one place: ρ(θ)/ρ(0) = cos θ + B/A·sin² θ with A = 1 − ½·σ²/(σ² + 0.33) and
+/// B = 0.45·σ²/(σ² + 0.09) of the roughness σ. That is why asphalt is seen far beyond where
+/// Lambert's cosine would lose it.
+struct Optics {
+  float lambert = 0.0F;
+  float rough = 0.0F;
+  float flat = 0.0F;
+  /// Of a clear pane; 0 for what light does not pass.
+  float refractive_index = 0.0F;
+
+  Optics() = default;
+  Optics(const Material& material, const LidarEffects& effects);
+};
+
+[[nodiscard]] std::vector<Optics> optics_of(std::span<const Material> materials,
+                                            const LidarEffects& effects);
+
+/// What a clear pane of two faces does with light, by Fresnel, unpolarised; what a face throws
+/// back within the pane is counted.
+struct PaneOptics {
+  /// Shares of the power, one way; the rest is absorbed.
+  float transmitted = 0.0F;
+  float mirrored = 0.0F;
+  /// Its own mirror image of the sensor, as the reflectivity of a diffuse target: slopes of a
+  /// float-glass window spread it by about 0.6° (standard deviation).
+  float glint = 0.0F;
+};
+[[nodiscard]] PaneOptics pane_optics(float refractive_index, float cos_incidence);
+
+/// An echo as the receiver feels it: power in the unit of a white diffuse target at 1 m that the
+/// whole beam meets. ρ·e^(−2αR)/R² for a target of reflectivity ρ at R behind air of extinction α.
+struct Echo {
+  float range_m = 0.0F;
+  float power = 0.0F;
+};
+
+/// The power of an echo from a target of reflectivity `strength` [same unit].
+[[nodiscard]] inline float received_power(float strength, float range_m, float extinction_1_m) {
+  return strength * std::exp(-2.0F * extinction_1_m * range_m) / (range_m * range_m);
 }
+
+/// Power of an echo that is just seen.
+[[nodiscard]] float detection_limit(const LidarSpec& spec);
+
+/// Which of a ray's echoes a sensor reports; power 0 where there is none.
+using ReportedEchoes = std::array<Echo, 2>;
+
+/// Chooses among echoes as a receiver does. Echoes that follow each other within the length of the
+/// pulse, c·τ/2, merge: powers add, the range is their mean weighted by power.
+class Receiver {
+ public:
+  explicit Receiver(const LidarSpec& spec);
+
+  /// `echoes` are sorted and merged in place; any order, powers of 0 are left out.
+  [[nodiscard]] ReportedEchoes report(std::vector<Echo>& echoes) const;
+  [[nodiscard]] float limit() const { return limit_; }
+  /// c·τ/2.
+  [[nodiscard]] float pulse_length_m() const { return pulse_length_m_; }
+  [[nodiscard]] bool is_dual() const { return mode_ == Mode::dual; }
+
+ private:
+  enum class Mode { strongest, first, last, dual };
+
+  float pulse_length_m_;
+  float limit_;
+  Mode mode_;
+};
 
 }  // namespace locsim::sim

@@ -60,6 +60,40 @@ void add_bay_window(TriangleMesh& mesh, const WallFrame& wall, double width_m,
   mesh.add_quad(at(wide_m, v0, 0), at(0, v0, 0), at(0, v1, 0), at(wide_m, v1, 0), style.wall);
 }
 
+/// Single sheets. They end before the panes, those of the ground floor behind the deepest door.
+void add_interior(TriangleMesh& mesh, const WallFrame& street, double width_m, double depth_m,
+                  const Storeys& storeys) {
+  constexpr double kOffPane_m = 0.3;
+  constexpr double kOffDoor_m = 1.45;
+  constexpr double kInWall_m = 0.05;
+  constexpr double kRoom_m = 4.5;
+  const double back_m = depth_m - kInWall_m;
+  const auto floor = [&](double v, TownMaterial material) {
+    mesh.add_quad(
+        street.at(kInWall_m, v, -kInWall_m), street.at(width_m - kInWall_m, v, -kInWall_m),
+        street.at(width_m - kInWall_m, v, -back_m), street.at(kInWall_m, v, -back_m), id(material));
+  };
+  floor(0.0, TownMaterial::concrete);
+  for (int i = 0; i < storeys.upper_floors; ++i) {
+    floor(storeys.ground_floor_m + i * storeys.floor_m, TownMaterial::wood);
+  }
+  const double room_m = std::clamp(0.42 * depth_m, 3.0, 5.0);
+  mesh.add_quad(street.at(kInWall_m, 0.0, -room_m), street.at(width_m - kInWall_m, 0.0, -room_m),
+                street.at(width_m - kInWall_m, storeys.top_m(), -room_m),
+                street.at(kInWall_m, storeys.top_m(), -room_m), id(TownMaterial::plaster_light));
+  const int rooms = std::max(1, static_cast<int>(std::lround(width_m / kRoom_m)));
+  for (int i = 1; i < rooms; ++i) {
+    const double u = width_m * i / rooms;
+    const auto partition = [&](double v0, double v1, double from_m) {
+      mesh.add_quad(street.at(u, v0, -from_m), street.at(u, v0, -back_m + kOffPane_m),
+                    street.at(u, v1, -back_m + kOffPane_m), street.at(u, v1, -from_m),
+                    id(TownMaterial::plaster_light));
+    };
+    partition(0.0, storeys.ground_floor_m, kOffDoor_m);
+    partition(storeys.ground_floor_m, storeys.top_m(), kOffPane_m);
+  }
+}
+
 /// Buildings of one side of one street, one after another.
 class Row {
  public:
@@ -184,7 +218,7 @@ class Row {
                        0.35 * plan.density * random_.uniform() + random_.uniform(-0.15, 0.15),
                    0.0, 1.0);
     plan.height_m = rows_.height_min_m + share * (rows_.height_max_m - rows_.height_min_m);
-    add_building(site_.world.structures, plan, random_);
+    add_building(site_.world.structures, site_.world.interiors, plan, random_);
     site_.taken.insert(plan.footprint);
     site_.add_collider(plan.footprint, plan.foot_m, plan.floor_m + plan.height_m);
   }
@@ -202,7 +236,8 @@ class Row {
 
 }  // namespace
 
-void add_building(TriangleMesh& mesh, const BuildingPlan& plan, RandomSequence& random) {
+void add_building(TriangleMesh& mesh, TriangleMesh& interiors, const BuildingPlan& plan,
+                  RandomSequence& random) {
   const Footprint& base = plan.footprint;
   const bool is_flat = random.chance(0.25 + 0.25 * plan.density);
   const double roof_m = is_flat
@@ -228,6 +263,7 @@ void add_building(TriangleMesh& mesh, const BuildingPlan& plan, RandomSequence& 
   add_plain_facade(mesh, wall(2, -base.axis), width_m, storeys, style, true, random);
   add_plain_facade(mesh, wall(3, -base.across()), depth_m, storeys, style, plan.is_free_low,
                    random);
+  add_interior(interiors, street, width_m, depth_m, storeys);
   const double eaves_m = plan.floor_m + storeys.top_m();
   std::array<Vector3d, 4> top;
   std::array<Vector3d, 4> foot;

@@ -26,9 +26,11 @@ struct BuildingPlan {
   double density = 0.5;
 };
 
-/// Adds a building of closed solids: walls with openings set back behind reveals, roof,
-/// chimneys, dormers, bay windows.
-void add_building(TriangleMesh& mesh, const BuildingPlan& plan, RandomSequence& random);
+/// Adds a building of closed solids to `mesh`: walls with openings set back behind reveals, roof,
+/// chimneys, dormers, bay windows. What is behind its panes goes to `interiors`: a floor a storey,
+/// a wall along the rooms to the street, partitions between them.
+void add_building(TriangleMesh& mesh, TriangleMesh& interiors, const BuildingPlan& plan,
+                  RandomSequence& random);
 
 /// What rows of buildings look like.
 struct BuildingRows {

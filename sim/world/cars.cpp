@@ -63,7 +63,7 @@ void add_glazed_quad(TriangleMesh& mesh, const std::array<Vector3d, 4>& corners,
   constexpr double kRim = 0.12;
   panel(0, 1, 0, kRim, frame);
   panel(0, 1, 1 - kRim, 1, frame);
-  const double post = 0.06;
+  const double post = std::min(0.06, 0.25 / panes);
   double u = 0.0;
   for (int i = 0; i < panes; ++i) {
     const double end = static_cast<double>(i + 1) / panes;
@@ -140,12 +140,20 @@ void add_plates_and_lights(TriangleMesh& mesh, double half_length_m, double half
   }
 }
 
+void add_block(TriangleMesh& mesh, double x0, double x1, double half_width_m, double z0, double z1,
+               MaterialId material) {
+  add_box(mesh, {Eigen::Quaterniond::Identity(), {0.5 * (x0 + x1), 0.0, 0.5 * (z0 + z1)}},
+          {0.5 * (x1 - x0), half_width_m, 0.5 * (z1 - z0)}, material);
+}
+
 TriangleMesh lorry_mesh(const CarShape& shape) {
   TriangleMesh mesh;
+  const bool is_articulated = shape.kind == CarKind::articulated_lorry;
   const double half = 0.5 * shape.length_m;
   const double w = 0.5 * shape.width_m;
-  const double cab_m = 1.9;
+  const double cab_m = is_articulated ? 2.3 : 1.9;
   const double rear = half - cab_m;
+  const double box_front = is_articulated ? rear - 0.55 : rear;
   add_hull(mesh, {{rear + 0.1, w, 0.45, 1.55}, {half - 0.02, w, 0.40, 1.55}}, shape.paint);
   add_cabin(mesh,
             {.rear_foot_m = rear + 0.1,
@@ -153,23 +161,45 @@ TriangleMesh lorry_mesh(const CarShape& shape) {
              .front_roof_m = half - 0.35,
              .front_foot_m = half - 0.02,
              .belt_m = 1.55,
-             .roof_m = 0.84 * shape.height_m,
+             .roof_m = (is_articulated ? 0.92 : 0.84) * shape.height_m,
              .belt_half_m = 0.9 * w,
              .roof_half_m = 0.86 * w,
              .side_panes = 1,
              .has_rear_glass = false},
             shape.paint);
-  const auto box = [&](double x0, double x1, double half_width, double z0, double z1,
-                       TownMaterial material) {
-    add_box(mesh, {Eigen::Quaterniond::Identity(), {0.5 * (x0 + x1), 0.0, 0.5 * (z0 + z1)}},
-            {0.5 * (x1 - x0), half_width, 0.5 * (z1 - z0)}, id(material));
-  };
-  box(-half + 0.02, rear, w, 1.05, shape.height_m, TownMaterial::car_paint_light);
-  box(-half + 0.1, rear + 0.2, 0.4 * w, 0.6, 1.05, TownMaterial::metal_painted);
-  add_wheels(mesh, half - 1.2, w, 0.48, 0.3);
-  add_wheels(mesh, -half + 1.6, w, 0.48, 0.3);
-  add_wheels(mesh, -half + 2.8, w, 0.48, 0.3);
+  add_block(mesh, -half + 0.02, box_front, w, 1.05, shape.height_m,
+            id(TownMaterial::car_paint_light));
+  add_block(mesh, -half + 0.1, rear + 0.2, 0.4 * w, 0.6, 1.05, id(TownMaterial::metal_painted));
+  // The bar at the rear that carries plate and lights.
+  add_block(mesh, -half + 0.02, -half + 0.12, 0.9 * w, 0.38, 0.78, id(TownMaterial::metal_painted));
+  std::vector<double> axles_m = {half - 1.2, -half + 1.6, -half + 2.8};
+  if (is_articulated) axles_m = {half - 1.4, half - 5.0, -half + 2.6, -half + 3.9, -half + 5.2};
+  for (const double axle_m : axles_m) add_wheels(mesh, axle_m, w, 0.48, 0.3);
   add_plates_and_lights(mesh, half, w, 0.7);
+  return mesh;
+}
+
+TriangleMesh bus_mesh(const CarShape& shape) {
+  TriangleMesh mesh;
+  const double half = 0.5 * shape.length_m;
+  const double w = 0.5 * shape.width_m;
+  constexpr double kBelt_m = 1.1;
+  add_block(mesh, -half + 0.02, half - 0.02, w, 0.3, kBelt_m, shape.paint);
+  add_cabin(mesh,
+            {.rear_foot_m = -half + 0.03,
+             .rear_roof_m = -half + 0.08,
+             .front_roof_m = half - 0.25,
+             .front_foot_m = half - 0.03,
+             .belt_m = kBelt_m,
+             .roof_m = shape.height_m,
+             .belt_half_m = 0.995 * w,
+             .roof_half_m = 0.96 * w,
+             .side_panes = 7,
+             .has_rear_glass = true},
+            shape.paint);
+  add_wheels(mesh, half - 2.7, w, 0.48, 0.3);
+  add_wheels(mesh, -half + 3.3, w, 0.48, 0.3);
+  add_plates_and_lights(mesh, half, w, 0.75);
   return mesh;
 }
 
@@ -187,12 +217,19 @@ CarShape usual_car(CarKind kind, MaterialId paint) {
       return {kind, 5.40, 1.98, 2.30, paint};
     case CarKind::lorry:
       return {kind, 8.60, 2.45, 3.40, paint};
+    case CarKind::articulated_lorry:
+      return {kind, 16.50, 2.55, 4.00, paint};
+    case CarKind::bus:
+      return {kind, 12.00, 2.55, 3.10, paint};
   }
   return {};
 }
 
 TriangleMesh car_mesh(const CarShape& shape) {
-  if (shape.kind == CarKind::lorry) return lorry_mesh(shape);
+  if (shape.kind == CarKind::lorry || shape.kind == CarKind::articulated_lorry) {
+    return lorry_mesh(shape);
+  }
+  if (shape.kind == CarKind::bus) return bus_mesh(shape);
   TriangleMesh mesh;
   const double half = 0.5 * shape.length_m;
   const double w = 0.5 * shape.width_m;
@@ -234,6 +271,25 @@ TriangleMesh car_mesh(const CarShape& shape) {
   add_wheels(mesh, -half + 0.19 * shape.length_m, w, wheel_m, 0.21);
   add_plates_and_lights(mesh, half, w, is_van ? 0.85 : 0.6);
   return mesh;
+}
+
+std::vector<SteelBody> car_steel(const CarShape& shape) {
+  const double half = 0.5 * shape.length_m;
+  switch (shape.kind) {
+    case CarKind::sedan:
+    case CarKind::estate:
+    case CarKind::hatchback:
+      return {{{0.6 * half, 0.0, 0.55}, 250.0}, {{-0.15 * half, 0.0, 0.6}, 750.0}};
+    case CarKind::van:
+      return {{{0.65 * half, 0.0, 0.7}, 300.0}, {{-0.15 * half, 0.0, 0.8}, 1200.0}};
+    case CarKind::lorry:
+      return {{{half - 1.3, 0.0, 1.0}, 2500.0}, {{-0.3 * half, 0.0, 0.9}, 5500.0}};
+    case CarKind::articulated_lorry:
+      return {{{half - 2.0, 0.0, 1.0}, 4500.0}, {{-0.35 * half, 0.0, 1.0}, 5500.0}};
+    case CarKind::bus:
+      return {{{-half + 1.2, 0.0, 0.8}, 2000.0}, {{0.1 * half, 0.0, 1.0}, 6000.0}};
+  }
+  return {};
 }
 
 }  // namespace locsim::sim

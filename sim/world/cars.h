@@ -3,11 +3,11 @@
 #include <vector>
 
 #include "core/mesh.h"
-#include "sim/world/site.h"
+#include "sim/world/world.h"
 
 namespace locsim::sim {
 
-enum class CarKind { sedan, estate, hatchback, van, lorry };
+enum class CarKind { sedan, estate, hatchback, van, lorry, articulated_lorry, bus };
 
 /// Measures of a car [m].
 struct CarShape {
@@ -22,24 +22,16 @@ struct CarShape {
   }
 };
 
-/// A car of usual size of that kind.
+/// A car of usual size of that kind; the largest are as long, wide and high as European roads
+/// allow (directive 96/53/EC: 16.5 m, 2.55 m, 4 m; buses 12 m).
 [[nodiscard]] CarShape usual_car(CarKind kind, MaterialId paint);
 
 /// About the ground point under its middle, x forward: body with sloped windscreen, panes,
 /// wheels, licence plates and reflectors. Fills the box of `half_extent_m()` above the ground.
 [[nodiscard]] TriangleMesh car_mesh(const CarShape& shape);
 
-/// How cars are left at the kerb.
-struct ParkingPlan {
-  /// Share of the length of the kerbs with a car.
-  double share = 0.3;
-  /// From the border of the route's lane to a car's side, at least [m].
-  double lane_clearance_m = 1.1;
-};
-
-/// Parks cars along all streets, at the kerb of side streets and with two wheels or all four on
-/// the pavement where the route's lane or another lane would be blocked; none at junctions. Into
-/// `parked_cars` and `colliders`.
-void park_cars(TownSite& site, const Layout& layout, const ParkingPlan& plan, std::uint64_t seed);
+/// Its steel as two lumps, engine (or tractor) and body, in the frame of `car_mesh`: about 1 t of
+/// a car, 8 t of a lorry or bus, 10 t of an articulated lorry.
+[[nodiscard]] std::vector<SteelBody> car_steel(const CarShape& shape);
 
 }  // namespace locsim::sim

@@ -30,6 +30,9 @@ enum class TownMaterial : MaterialId {
   car_paint_dark,
   tyre,
   licence_plate,
+  clothing_dark,
+  clothing_light,
+  skin,
   count
 };
 
@@ -37,7 +40,7 @@ enum class TownMaterial : MaterialId {
   return static_cast<MaterialId>(material);
 }
 
-/// Name, reflectivity at 905 nm and colour of each, in the order of the enumeration.
+/// How each looks to the sensors and in pictures, in the order of the enumeration.
 [[nodiscard]] const std::vector<Material>& town_materials();
 
 }  // namespace locsim::sim

@@ -15,6 +15,16 @@ namespace {
 constexpr MaterialId kGalvanised = id(TownMaterial::metal_galvanised);
 constexpr MaterialId kPainted = id(TownMaterial::metal_painted);
 
+/// Steel [kg]: a lamp post is 10 kg a metre, a sign's tube with its plate 5, a bollard's thick
+/// tube 12; a shelter's posts, roof and frame; sheet and fittings of bins, boxes and benches.
+constexpr double kLamp_kg = 80.0;
+constexpr double kSign_kg = 18.0;
+constexpr double kShelter_kg = 450.0;
+constexpr double kBollard_kg = 13.0;
+constexpr double kBin_kg = 25.0;
+constexpr double kPowerBox_kg = 60.0;
+constexpr double kBench_kg = 20.0;
+
 /// Furnishes one side of one street.
 class Furnisher {
  public:
@@ -36,6 +46,7 @@ class Furnisher {
               {0.5 * arm_m, 0.03, 0.03}, kGalvanised);
       add_box(mesh(), pole * Pose{{1, 0, 0, 0}, {arm_m + 0.25, 0.0, height_m - 0.05}},
               {0.35, 0.12, 0.06}, kPainted);
+      add_steel(place, 0.42 * height_m, kLamp_kg);
     }
   }
 
@@ -49,6 +60,7 @@ class Furnisher {
       const double top_m = random_.uniform(2.5, 3.2);
       add_frustum(mesh(), pole * up(-0.3), 0.035, 0.035, top_m + 0.3, 6, kGalvanised);
       add_plate(pole, top_m - 0.35);
+      add_steel(place, 0.5 * top_m, kSign_kg);
       if (random_.chance(0.3)) {
         add_box(mesh(), pole * Pose{{1, 0, 0, 0}, {0.05, 0.0, top_m - 0.9}}, {0.012, 0.3, 0.13},
                 id(TownMaterial::sign_retroreflective));
@@ -78,6 +90,10 @@ class Furnisher {
       for (const double y : {-0.8, 0.4}) {
         box({-kDepth_m + 0.35, y, 0.1}, {0.05, 0.05, 0.31}, TownMaterial::metal_painted);
       }
+      for (const double y : {-0.5 * half_m, 0.5 * half_m}) {
+        const Vector3d middle = pose * Vector3d(0.0, y, 1.6);
+        site_.world.steel.push_back({middle, 0.5 * kShelter_kg});
+      }
     }
   }
 
@@ -92,6 +108,7 @@ class Furnisher {
         if (!take(square_footprint(place, 0.22), 1.0)) continue;
         add_frustum(mesh(), frame(place, Vector2d::UnitX()) * up(-0.1), 0.19, 0.22, 1.05, 9,
                     kPainted);
+        add_steel(place, 0.5, kBin_kg);
       } else if (draw < 0.85) {
         add_power_box(s);
       } else {
@@ -117,6 +134,10 @@ class Furnisher {
     const double foot_m = site_.height_m(base.center);
     site_.add_collider(base, foot_m - 0.2, foot_m + height_m);
     return true;
+  }
+
+  void add_steel(const Vector2d& place, double height_m, double mass_kg) {
+    site_.world.steel.push_back({site_.on_ground(place) + Vector3d(0.0, 0.0, height_m), mass_kg});
   }
 
   /// A disc, triangle, octagon or oblong, retroreflective, its back of bare metal.
@@ -148,6 +169,7 @@ class Furnisher {
       if (!take(square_footprint(place, 0.08), 0.9)) continue;
       add_frustum(mesh(), frame(place, Vector2d::UnitX()) * up(-0.2), 0.075, 0.065, 1.1, 7,
                   kPainted);
+      add_steel(place, 0.35, kBollard_kg);
     }
   }
 
@@ -161,6 +183,7 @@ class Furnisher {
             {0.17, half_m - 0.03, 0.5 * height_m + 0.1}, id(TownMaterial::concrete));
     add_box(mesh(), frame(place, base.axis) * up(height_m + 0.03), {0.19, half_m, 0.03},
             kGalvanised);
+    add_steel(place, 0.5 * height_m, kPowerBox_kg);
   }
 
   void add_bench(double s) {
@@ -177,6 +200,7 @@ class Furnisher {
       box({0.0, y, 0.15}, {0.2, 0.04, 0.27}, kPainted);
       box({-0.24, y, 0.5}, {0.02, 0.04, 0.38}, kPainted);
     }
+    add_steel(place, 0.4, kBench_kg);
   }
 
   TownSite& site_;

@@ -14,7 +14,8 @@ struct FurniturePlan {
 };
 
 /// Lamp posts, traffic signs (retroreflective), bus shelters, bollards, litter bins, power boxes
-/// and benches beside every street, all clear of carriageways and of the route's lane.
+/// and benches beside every street, all clear of carriageways and of the route's lane, with their
+/// steel.
 void add_street_furniture(TownSite& site, const Layout& layout, const FurniturePlan& plan,
                           std::uint64_t seed);
 

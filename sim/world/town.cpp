@@ -1,7 +1,12 @@
 #include "sim/world/town.h"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "sim/world/actor_shapes.h"
+#include "sim/world/bridges.h"
 #include "sim/world/buildings.h"
-#include "sim/world/cars.h"
 #include "sim/world/ground_mesh.h"
 #include "sim/world/materials.h"
 #include "sim/world/site.h"
@@ -22,17 +27,23 @@ void TownConfig::describe(Parameters& p) {
   p.number("furniture_spacing_m", furniture_spacing_m, {.min = 4.0, .max = 10000.0});
   p.number("bus_stop_spacing_m", bus_stop_spacing_m, {.min = 30.0, .max = 100000.0});
   p.number("parked_share", parked_share, kShare);
+  p.number("parked_resident_share", parked_resident_share, kShare);
   p.number("parked_clearance_m", parked_clearance_m, {.min = 0.3, .max = 5.0});
+  p.numbers("overpasses_m", overpasses_m, 0, {.min = 0.0, .max = 1e6});
+  p.group("tunnel", tunnel);
 }
 
-World build_town(const TownConfig& config, const Layout& layout, std::uint64_t seed,
-                 const GeodeticPoint& origin) {
+Town build_town(const TownConfig& config, const Layout& layout, std::uint64_t seed,
+                const GeodeticPoint& origin, const TownDays& days) {
   check_parameters(config, "town");
-  World world;
+  Town town;
+  World& world = town.world;
   world.origin = origin;
   world.materials = town_materials();
   TownSite site(layout, world);
   world.ground = build_ground_mesh(layout, site.ground);
+  add_tunnel(site, layout, config.tunnel, seed);
+  add_overpasses(site, layout, config.overpasses_m);
   if (config.building_gap_share < 1.0) {
     add_building_rows(site, layout,
                       {.height_min_m = config.building_height_m[0],
@@ -48,16 +59,21 @@ World build_town(const TownConfig& config, const Layout& layout, std::uint64_t s
                        seed);
   add_garden_fronts(site, layout, seed);
   add_trees(site, layout, config.tree_spacing_m, seed);
-  park_cars(site, layout,
-            {.share = config.parked_share, .lane_clearance_m = config.parked_clearance_m}, seed);
-  for (const CarKind kind : {CarKind::sedan, CarKind::van, CarKind::lorry}) {
-    const auto paint =
-        kind == CarKind::sedan ? TownMaterial::car_paint_dark : TownMaterial::car_paint_light;
-    const CarShape shape = usual_car(kind, id(paint));
-    world.actor_shapes.push_back(car_mesh(shape));
-    world.actor_half_extents_m.push_back(shape.half_extent_m());
-  }
-  return world;
+  const ParkingPlan parking{.share = config.parked_share,
+                            .resident_share = config.parked_resident_share,
+                            .lane_clearance_m = config.parked_clearance_m};
+  if (days.survey) town.survey_cars = park_cars(site, layout, parking, seed, *days.survey);
+  ParkedCars cars = park_cars(site, layout, parking, seed, days.drive);
+  world.parked_cars = std::move(cars.mesh);
+  std::ranges::move(cars.colliders, std::back_inserter(world.colliders));
+  std::ranges::move(cars.steel, std::back_inserter(world.steel));
+  add_actor_shapes(world);
+  return town;
+}
+
+World build_town(const TownConfig& config, const Layout& layout, std::uint64_t seed,
+                 const GeodeticPoint& origin) {
+  return build_town(config, layout, seed, origin, TownDays{}).world;
 }
 
 }  // namespace locsim::sim

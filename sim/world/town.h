@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/geodesy.h"
 #include "core/parameters.h"
 #include "sim/world/layout.h"
+#include "sim/world/parking.h"
+#include "sim/world/tunnel.h"
 #include "sim/world/world.h"
 
 namespace locsim::sim {
@@ -24,17 +27,41 @@ struct TownConfig {
   double bus_stop_spacing_m = 350.0;
   /// Share of the kerbs' length taken by parked cars, where there is room.
   double parked_share = 0.3;
+  /// Share of these that stand there every day.
+  double parked_resident_share = 0.4;
   /// From the border of the route's lane to a parked car, at least [m].
   double parked_clearance_m = 1.1;
+  /// Where bridges cross the route, as arc lengths along it [m].
+  std::vector<double> overpasses_m;
+  TunnelSpan tunnel;
 
   void describe(Parameters& p);
 };
 
-/// Builds a town along all streets of `layout`: ground, rows of buildings, trees, street furniture
-/// and parked cars, of `town_materials()`. The same arguments give the same bytes. Nothing stands
-/// within 0.4 m of the route's lane below 3.5 m, nor on a carriageway; buildings keep off the
-/// pavements and each other. Where there is no room, as where a recorded route comes back on
-/// itself, less is built. Throws InputError where `config` is out of its limits.
+/// Days of which a town's parked cars are to be had.
+struct TownDays {
+  std::int64_t drive = 1;
+  /// Of the map's survey; none where its cars are not asked for.
+  std::optional<std::int64_t> survey;
+};
+
+struct Town {
+  /// With the cars of the day of the drive.
+  World world;
+  /// Those of the day of the survey; they stand in no world.
+  ParkedCars survey_cars;
+};
+
+/// Builds a town along all streets of `layout`: ground, tunnel and overpasses, rows of buildings,
+/// trees, street furniture and parked cars, of `town_materials()`. The same arguments give the same
+/// bytes; days differ in nothing but the parked cars. Nothing stands within 0.4 m of the route's
+/// lane below 3.5 m, nor on a carriageway; buildings keep off the pavements and each other. Where
+/// there is no room, as where a recorded route comes back on itself, less is built. Throws
+/// InputError where `config` is out of its limits, and where a tunnel or an overpass cannot stand
+/// where it is asked for.
+[[nodiscard]] Town build_town(const TownConfig& config, const Layout& layout, std::uint64_t seed,
+                              const GeodeticPoint& origin, const TownDays& days);
+/// On day 1, without a survey.
 [[nodiscard]] World build_town(const TownConfig& config, const Layout& layout, std::uint64_t seed,
                                const GeodeticPoint& origin);
 

@@ -19,6 +19,14 @@ void add_mesh(Hash& hash, const TriangleMesh& mesh) {
   add_values(hash, mesh.materials);
 }
 
+void add_steel(Hash& hash, const std::vector<SteelBody>& bodies) {
+  hash.add(static_cast<std::uint64_t>(bodies.size()));
+  for (const SteelBody& body : bodies) {
+    for (const double value : body.position) hash.add(value);
+    hash.add(body.mass_kg);
+  }
+}
+
 void add_vector(Hash& hash, const Vector3d& v) {
   for (const double value : v) hash.add(value);
 }
@@ -33,9 +41,13 @@ std::uint64_t World::hash() const {
   hash.add(static_cast<std::uint64_t>(materials.size()));
   for (const Material& material : materials) {
     hash.add_bytes(material.name.data(), material.name.size());
-    hash.add(material.reflectivity_905nm);
+    for (const double value : {material.reflectivity_905nm, material.roughness_rad,
+                               material.refractive_index, material.retroreflection}) {
+      hash.add(value);
+    }
   }
-  for (const TriangleMesh* mesh : {&ground, &structures, &parked_cars}) add_mesh(hash, *mesh);
+  for (const TriangleMesh* mesh : {&ground, &structures, &interiors, &parked_cars})
+    add_mesh(hash, *mesh);
   hash.add(static_cast<std::uint64_t>(colliders.size()));
   for (const Collider& collider : colliders) {
     add_vector(hash, collider.T_map_box.translation);
@@ -45,6 +57,8 @@ std::uint64_t World::hash() const {
   hash.add(static_cast<std::uint64_t>(actor_shapes.size()));
   for (const TriangleMesh& shape : actor_shapes) add_mesh(hash, shape);
   for (const Vector3d& half_extent : actor_half_extents_m) add_vector(hash, half_extent);
+  add_steel(hash, steel);
+  for (const std::vector<SteelBody>& bodies : actor_steel) add_steel(hash, bodies);
   return hash.value();
 }
 

@@ -94,7 +94,7 @@ TEST_F(ResultsTest, WritesTheFilesOfARun) {
   write_results(result_, root_ / "a" / "run");
   EXPECT_EQ(names(root_ / "a" / "run"),
             (std::set<std::string>{"scores.json", "truth.tum", "estimate.tum", "estimate.csv",
-                                   "gnss.csv", "scenario.yaml"}));
+                                   "gnss.csv", "imu.csv", "scenario.yaml"}));
   EXPECT_EQ(names(root_ / "a"), std::set<std::string>{"run"});
   EXPECT_EQ(read_text_file(root_ / "a" / "run" / "scenario.yaml"), "name: example\n");
   EXPECT_THAT(read_text_file(root_ / "a" / "run" / "truth.tum"),

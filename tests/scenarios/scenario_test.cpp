@@ -80,9 +80,11 @@ sensors:
     - {preset: hdl64e, mount: {x_m: 1, y_m: 0.5, z_m: 1.5, roll_deg: 30, yaw_deg: 0.1}}
   imu: {preset: adis16488, noise: false}
   gnss: {preset: ublox_m8t, rate_hz: 1}
-  magnetometer: {white_deg: 0.7}
+  magnetometer: {noise_nT_sqrthz: 0.7}
 faults:
   - {at_s: 40, for_s: 60, kind: gnss_outage}
+  - {at_s: 10, for_s: 5, kind: lidar_knock, sensor: 1, yaw_deg: 0.7}
+weather: [{rain_mm_h: 12.5}]
 map: {source: survey, resolution_m: 0.3}
 localizer: {kind: icp}
 expect: {ate_rmse_m: "< 0.3", collisions: "== 0"}
@@ -106,7 +108,7 @@ TEST_F(ScenarioTest, ReadsWhatTheFileSays) {
   EXPECT_EQ(mount.translation, Vector3d(1.0, 0.5, 1.5));
   EXPECT_NEAR(rpy_from_rotation(mount.rotation).x(), std::numbers::pi / 6.0, 1e-12);
   EXPECT_FALSE(scenario.sensors.imu.spec.noise);
-  ASSERT_EQ(scenario.faults.size(), 1U);
+  ASSERT_EQ(scenario.faults.size(), 2U);
   EXPECT_EQ(scenario.faults[0].for_s, 60.0);
   EXPECT_EQ(scenario.map.survey.resolution_m, 0.3);
   ASSERT_EQ(scenario.expect.size(), 2U);
@@ -126,8 +128,7 @@ TEST_F(ScenarioTest, KeysOfTheScenarioWinOverThePreset) {
   const Scenario set = parse_scenario("seed: 1", "drive.yaml", ".", overrides);
   EXPECT_EQ(set.sensors.lidar[0].spec.range_noise_m, 0.0);
   EXPECT_EQ(set.sensors.lidar[0].spec.beams.size(), 32U);
-  EXPECT_NE(set.sensors.imu.spec.gyro_noise_rad_s_sqrthz,
-            plain.sensors.imu.spec.gyro_noise_rad_s_sqrthz);
+  EXPECT_NE(set.sensors.imu.spec.gyro.noise_density, plain.sensors.imu.spec.gyro.noise_density);
 }
 
 TEST_F(ScenarioTest, WrittenWholeReadsBackTheSame) {
@@ -150,12 +151,18 @@ TEST_F(ScenarioTest, WrittenWholeReadsBackTheSame) {
     EXPECT_EQ(mount_a.rotation.coeffs(), mount_b.rotation.coeffs());
   }
   const sim::ImuSpec& imu = scenario.sensors.imu.spec;
-  EXPECT_EQ(bits(imu.gyro_noise_rad_s_sqrthz), bits(back.sensors.imu.spec.gyro_noise_rad_s_sqrthz));
-  EXPECT_EQ(bits(imu.gyro_bias_walk_rad_s_sqrts),
-            bits(back.sensors.imu.spec.gyro_bias_walk_rad_s_sqrts));
+  const sim::ImuSpec& imu_back = back.sensors.imu.spec;
+  EXPECT_EQ(bits(imu.gyro.noise_density), bits(imu_back.gyro.noise_density));
+  EXPECT_EQ(bits(imu.gyro.bias_instability), bits(imu_back.gyro.bias_instability));
   EXPECT_EQ(bits(scenario.world.origin.longitude_rad), bits(back.world.origin.longitude_rad));
-  EXPECT_EQ(bits(scenario.sensors.magnetometer.spec.white_rad),
-            bits(back.sensors.magnetometer.spec.white_rad));
+  EXPECT_EQ(bits(scenario.sensors.magnetometer.spec.noise_nT_sqrthz),
+            bits(back.sensors.magnetometer.spec.noise_nT_sqrthz));
+  ASSERT_EQ(back.faults.size(), 2U);
+  const auto* knock = std::get_if<sim::LidarKnock>(&back.faults[1].kind);
+  ASSERT_NE(knock, nullptr);
+  EXPECT_EQ(bits(knock->roll_pitch_yaw_rad.z()), bits(0.7 * std::numbers::pi / 180.0));
+  ASSERT_EQ(back.weather.size(), 1U);
+  EXPECT_EQ(back.weather[0].rain_mm_h, 12.5);
   EXPECT_EQ(back.expect.size(), 2U);
   EXPECT_EQ(back.vehicle.feedback, "truth");
 }

@@ -65,11 +65,12 @@ struct Soup {
 Soup make_soup() {
   RandomSequence random(7, "ray_scene_test");
   Soup soup;
-  soup.world.materials.resize(4);
+  soup.world.materials.resize(5);
   soup.world.ground = triangle_soup(random, 60, 30.0, 6.0, 0);
   soup.world.structures = triangle_soup(random, 60, 30.0, 6.0, 1);
   soup.world.parked_cars = triangle_soup(random, 30, 30.0, 6.0, 2);
-  soup.world.actor_shapes.push_back(triangle_soup(random, 30, 3.0, 2.0, 3));
+  soup.world.interiors = triangle_soup(random, 30, 30.0, 6.0, 3);
+  soup.world.actor_shapes.push_back(triangle_soup(random, 30, 3.0, 2.0, 4));
   for (int i = 0; i < 6; ++i) {
     Actor actor{.shape = 0, .start = Stamp{}, .step = duration_from_seconds(0.1), .poses = {}};
     for (int k = 0; k < 4; ++k) {
@@ -84,10 +85,10 @@ Soup make_soup() {
 TEST(RayScene, CastsAndBlocksAsBruteForceSays) {
   const Soup soup = make_soup();
   const RayScene scene(soup.world, soup.actors);
-  const std::array<const TriangleMesh*, 3> standing = {&soup.world.ground, &soup.world.structures,
-                                                       &soup.world.parked_cars};
+  const std::array<const TriangleMesh*, 4> standing = {
+      &soup.world.ground, &soup.world.structures, &soup.world.parked_cars, &soup.world.interiors};
   RandomSequence random(8, "ray_scene_test");
-  std::array<int, 4> hits{};
+  std::array<int, 5> hits{};
   int misses = 0;
   int disagreements = 0;
   for (int i = 0; i < 4000; ++i) {

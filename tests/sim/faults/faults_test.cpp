@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <string>
 
 #include "core/error.h"
@@ -10,11 +11,11 @@ namespace locsim::sim {
 namespace {
 
 TEST(Faults, AreOnFromTheirStartUpToTheirEnd) {
-  const Faults faults({{.at_s = 10.0, .for_s = 5.0, .kind = "gnss_outage"},
-                       {.at_s = 12.0, .for_s = 1.0, .kind = "lidar_blackout"},
-                       {.at_s = 14.0, .for_s = 4.0, .kind = "gnss_outage"}});
+  const Faults faults({{.at_s = 10.0, .for_s = 5.0, .kind = GnssOutage{}},
+                       {.at_s = 12.0, .for_s = 1.0, .kind = LidarBlackout{}},
+                       {.at_s = 14.0, .for_s = 4.0, .kind = GnssOutage{}}});
   const auto gnss = [&](double t_s) {
-    return faults.active("gnss_outage", stamp_from_seconds(t_s));
+    return faults.active<GnssOutage>(stamp_from_seconds(t_s)) != nullptr;
   };
   EXPECT_FALSE(gnss(0.0));
   EXPECT_FALSE(gnss(9.999999999));
@@ -22,43 +23,74 @@ TEST(Faults, AreOnFromTheirStartUpToTheirEnd) {
   EXPECT_TRUE(gnss(14.5));
   EXPECT_TRUE(gnss(17.999999999));
   EXPECT_FALSE(gnss(18.0));
-  EXPECT_FALSE(faults.active("lidar_blackout", stamp_from_seconds(11.0)));
-  EXPECT_TRUE(faults.active("lidar_blackout", stamp_from_seconds(12.0)));
-  EXPECT_FALSE(faults.active("lidar_blackout", stamp_from_seconds(13.0)));
+  const auto dark = [&](double t_s) {
+    return faults.active<LidarBlackout>(stamp_from_seconds(t_s)) != nullptr;
+  };
+  EXPECT_FALSE(dark(11.0));
+  EXPECT_TRUE(dark(12.0));
+  EXPECT_FALSE(dark(13.0));
 }
 
 TEST(Faults, CountFromTheScenariosStart) {
   const Stamp start = stamp_from_seconds(1000.0);
-  const Faults faults({{.at_s = 10.0, .for_s = 5.0, .kind = "lidar_blackout"}}, start);
-  EXPECT_FALSE(faults.active("lidar_blackout", stamp_from_seconds(12.0)));
-  EXPECT_TRUE(faults.active("lidar_blackout", stamp_from_seconds(1012.0)));
-  const auto intervals = faults.intervals("lidar_blackout");
-  ASSERT_EQ(intervals.size(), 1u);
-  EXPECT_EQ(intervals[0].begin, stamp_from_seconds(1010.0));
-  EXPECT_EQ(intervals[0].end, stamp_from_seconds(1015.0));
-  EXPECT_TRUE(faults.intervals("gnss_outage").empty());
+  const Faults faults({{.at_s = 10.0, .for_s = 5.0, .kind = LidarBlackout{}}}, start);
+  EXPECT_EQ(faults.active<LidarBlackout>(stamp_from_seconds(12.0)), nullptr);
+  EXPECT_NE(faults.active<LidarBlackout>(stamp_from_seconds(1012.0)), nullptr);
+  const auto all = faults.all<LidarBlackout>();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].interval.begin, stamp_from_seconds(1010.0));
+  EXPECT_EQ(all[0].interval.end, stamp_from_seconds(1015.0));
+  EXPECT_TRUE(faults.all<GnssOutage>().empty());
 }
 
 TEST(Faults, NoneMeansNothingIsBroken) {
-  EXPECT_FALSE(Faults().active("gnss_outage", Stamp{}));
+  EXPECT_EQ(Faults().active<GnssOutage>(Stamp{}), nullptr);
 }
 
-TEST(Faults, UnknownKindIsRefusedWithTheKindsThereAre) {
-  try {
-    const Faults faults({{.at_s = 1.0, .for_s = 1.0, .kind = "gnss_outage"},
-                         {.at_s = 1.0, .for_s = 1.0, .kind = "meteor"}});
-    FAIL();
-  } catch (const InputError& error) {
-    const std::string message = error.what();
-    for (const char* part : {"faults[1]", "kind", "meteor", "gnss_outage", "lidar_blackout"}) {
-      EXPECT_NE(message.find(part), std::string::npos) << part << " in: " << message;
+TEST(Faults, CarryWhatTheirKindSays) {
+  const Faults faults({{.at_s = 0.0, .for_s = 1.0, .kind = ImuBiasJump{.gyro_rad_s = {1, 2, 3}}}});
+  const ImuBiasJump* jump = faults.active<ImuBiasJump>(Stamp{});
+  ASSERT_NE(jump, nullptr);
+  EXPECT_EQ(jump->gyro_rad_s, Vector3d(1, 2, 3));
+  EXPECT_EQ(faults.specs()[0].name(), "imu_bias_jump");
+}
+
+TEST(Faults, ValuesOutOfTheirLimitsAreRefusedByKey) {
+  const auto message_of = [](FaultKind kind) -> std::string {
+    try {
+      const Faults faults({{.kind = GnssOutage{}}, {.kind = std::move(kind)}});
+    } catch (const InputError& error) {
+      return error.what();
     }
-  }
+    return "";
+  };
+  const auto says = [](const std::string& message, const std::string& key) {
+    return message.find("faults[1]: " + key) == 0;
+  };
+  EXPECT_TRUE(says(message_of(LidarDirt{.transmission = 1.5}), "transmission"));
+  LidarKnock knock;
+  knock.roll_pitch_yaw_rad.y() = 7.0;
+  EXPECT_TRUE(says(message_of(knock), "pitch_deg"));
+  EXPECT_TRUE(says(message_of(LidarStamps{.jitter_s = -0.1}), "jitter_s"));
+  EXPECT_TRUE(says(message_of(ImuStuckAxis{.axis = "gyro_w"}), "axis"));
+  EXPECT_TRUE(says(message_of(ImuDropout{.share = -1.0}), "share"));
+  EXPECT_TRUE(says(message_of(ImuLate{.delay_s = 100.0}), "delay_s"));
+  EXPECT_TRUE(says(message_of(ImuSaturation{.gyro_range_rad_s = 0.0}), "gyro_range_deg_s"));
+  EXPECT_TRUE(message_of(LidarFrozen{}).empty());
 }
 
 TEST(Faults, NegativeTimesAreRefused) {
-  EXPECT_THROW(Faults({{.at_s = -1.0, .for_s = 1.0, .kind = "gnss_outage"}}), InputError);
-  EXPECT_THROW(Faults({{.at_s = 1.0, .for_s = 0.0, .kind = "gnss_outage"}}), InputError);
+  EXPECT_THROW(Faults({{.at_s = -1.0, .for_s = 1.0, .kind = GnssOutage{}}}), InputError);
+  EXPECT_THROW(Faults({{.at_s = 1.0, .for_s = 0.0, .kind = GnssOutage{}}}), InputError);
+}
+
+TEST(Faults, DirtCoversItsSectorAcrossTheSeam) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const LidarDirt behind{{}, 170.0 * kDegree, -170.0 * kDegree, 0.1};
+  EXPECT_TRUE(behind.covers(std::numbers::pi));
+  EXPECT_TRUE(behind.covers(-175.0 * kDegree));
+  EXPECT_FALSE(behind.covers(0.0));
+  EXPECT_FALSE(behind.covers(165.0 * kDegree));
 }
 
 }  // namespace

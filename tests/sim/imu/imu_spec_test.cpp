@@ -2,43 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
-#include "tests/sim/imu/flat_preset.h"
+#include "core/error.h"
 
 namespace locsim::sim {
 namespace {
-
-TEST(ImuSpec, PresetsNameEveryKeyAndNothingElse) {
-  for (const char* name : {"mti10", "mpu6000", "adis16488"}) {
-    ImuSpec spec;
-    FlatPreset preset("sim/imu/presets/" + std::string(name) + ".yaml");
-    EXPECT_EQ(preset.problems(spec), "") << name;
-  }
-}
-
-TEST(ImuSpec, DefaultIsTheMti10) {
-  ImuSpec spec;
-  FlatPreset preset("sim/imu/presets/mti10.yaml");
-  EXPECT_EQ(preset.problems(spec), "");
-  EXPECT_EQ(preset.differs_from_default(), "");
-}
-
-TEST(ImuSpec, DataSheetUnitsBecomeSi) {
-  ImuSpec spec;
-  FlatPreset preset("sim/imu/presets/mpu6000.yaml");
-  ASSERT_EQ(preset.problems(spec), "");
-  // ARW [°/√h] = 60·density [°/s/√Hz]; VRW [m/s/√h] = 60·density [m/s²/√Hz].
-  EXPECT_NEAR(spec.gyro_noise_rad_s_sqrthz, 0.005 * std::numbers::pi / 180.0, 1e-15);
-  EXPECT_NEAR(spec.accelerometer_noise_m_s2_sqrthz, 0.14 / 60.0, 1e-15);
-  // 27 °/h in one √h = 0.0075 °/s in 60 √s.
-  EXPECT_NEAR(spec.gyro_bias_walk_rad_s_sqrts, 0.0075 / 60.0 * std::numbers::pi / 180.0, 1e-15);
-  EXPECT_NEAR(spec.accelerometer_bias_walk_m_s2_sqrts, 0.00122 / 60.0, 1e-15);
-  EXPECT_NEAR(spec.gyro_bias_initial_rad_s, 6.7 * std::numbers::pi / 180.0, 1e-15);
-}
 
 // Collects what a description would write.
 class Written final : public Parameters {
@@ -67,17 +41,59 @@ class Written final : public Parameters {
 TEST(ImuSpec, WhatIsWrittenReadsAsItWasGiven) {
   for (const double given : {1.76, 0.3, 0.1, 77.0, 9.99999999999999, 1.0 / 3.0}) {
     ImuSpec spec;
-    spec.gyro_noise_rad_s_sqrthz = given * imu_unit::kDeg_sqrth;
-    spec.gyro_bias_walk_rad_s_sqrts = given * imu_unit::kDeg_h_sqrth;
-    const double before = spec.gyro_noise_rad_s_sqrthz;
+    spec.gyro.noise_density = given * imu_unit::kDeg_sqrth;
+    spec.gyro.bias_walk = given * imu_unit::kDeg_h_sqrth;
+    const double before = spec.gyro.noise_density;
+    spec.accelerometer.bias_instability = given * imu_unit::kMicro_g;
+    spec.gyro_g_sensitivity = given * imu_unit::kDeg_h_g;
     Written written;
     spec.describe(written);
     if (given != 1.0 / 3.0) {
       EXPECT_EQ(written.values["angle_random_walk_deg_sqrth"], given);
       EXPECT_EQ(written.values["gyro_bias_walk_deg_h_sqrth"], given);
+      EXPECT_EQ(written.values["accelerometer_bias_instability_ug"], given);
+      EXPECT_EQ(written.values["gyro_g_sensitivity_deg_h_g"], given);
     }
     // Writing leaves the value alone, to the bit.
-    EXPECT_EQ(spec.gyro_noise_rad_s_sqrthz, before);
+    EXPECT_EQ(spec.gyro.noise_density, before);
+  }
+}
+
+TEST(ImuSpec, FilterWalkHasTheMinimumOfTheWholeAllanCurve) {
+  InertialAxesSpec axes{.noise_density = 3e-4, .bias_instability = 6e-5, .bias_walk = 4e-7};
+  const auto lowest = [](auto&& variance) {
+    double minimum = 1e9;
+    for (double tau_s = 0.1; tau_s < 1e5; tau_s *= 1.001) {
+      minimum = std::min(minimum, variance(tau_s));
+    }
+    return minimum;
+  };
+  const double n2 = std::pow(axes.noise_density, 2);
+  const double floor2 =
+      2.0 * std::numbers::ln2 / std::numbers::pi * std::pow(axes.bias_instability, 2);
+  const double whole = lowest(
+      [&](double tau_s) { return n2 / tau_s + floor2 + std::pow(axes.bias_walk, 2) * tau_s / 3; });
+  const double k = axes.filter_bias_walk();
+  const double filter = lowest([&](double tau_s) { return n2 / tau_s + k * k * tau_s / 3; });
+  // The grid of 0.1 % in τ misses a minimum by less than 1e-6 of it.
+  EXPECT_NEAR(filter / whole, 1.0, 1e-5);
+  axes.bias_instability = 0.0;
+  EXPECT_EQ(axes.filter_bias_walk(), 4e-7);
+  axes = {.bias_instability = 6e-5};
+  // √3·0.6643·6e-5.
+  EXPECT_NEAR(axes.filter_bias_walk(), 6.9035e-5, 1e-8);
+}
+
+TEST(ImuSpec, FloorThatEndsBeforeItBeginsIsRefused) {
+  ImuSpec spec;
+  spec.accelerometer.flicker_from_s = 30.0;
+  spec.accelerometer.flicker_to_s = 50.0;
+  try {
+    check_parameters(spec, "imu");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("accelerometer_flicker_to_s"), std::string::npos)
+        << error.what();
   }
 }
 

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/physics.h"
 #include "tests/sim/imu/analytic_trajectory.h"
+#include "tests/sim/imu/flawless_spec.h"
 
 namespace locsim::sim {
 namespace {
@@ -187,11 +188,9 @@ TEST(Imu, SpinningUpOnTheSpotShowsEulerAndCentripetalTerms) {
 }
 
 TEST(Imu, WhiteNoiseHasItsDensityAndAllanSlope) {
-  ImuSpec spec;
-  spec.gyro_bias_walk_rad_s_sqrts = 0.0;
-  spec.accelerometer_bias_walk_m_s2_sqrts = 0.0;
-  spec.gyro_bias_initial_rad_s = 0.0;
-  spec.accelerometer_bias_initial_m_s2 = 0.0;
+  ImuSpec spec = flawless_spec();
+  spec.gyro.noise_density = 5e-4;
+  spec.accelerometer.noise_density = 6e-4;
   const std::vector<ImuSample> samples =
       samples_of(spec, standing_still(500.0, Duration{5'000'000}));
   ASSERT_EQ(samples.size(), 100'000u);
@@ -218,25 +217,22 @@ TEST(Imu, WhiteNoiseHasItsDensityAndAllanSlope) {
     // An Allan deviation of white noise over M clusters has a relative standard error of
     // √(3/M)/2; three axes, four standard errors.
     const double tolerance = 4.0 * 0.5 * std::sqrt(3.0 * static_cast<double>(m) / 300'000.0);
-    EXPECT_NEAR(allan_deviation(m, gyro) * std::sqrt(tau_s) / spec.gyro_noise_rad_s_sqrthz, 1.0,
+    EXPECT_NEAR(allan_deviation(m, gyro) * std::sqrt(tau_s) / spec.gyro.noise_density, 1.0,
                 tolerance);
     EXPECT_NEAR(
-        allan_deviation(m, accelerometer) * std::sqrt(tau_s) / spec.accelerometer_noise_m_s2_sqrthz,
+        allan_deviation(m, accelerometer) * std::sqrt(tau_s) / spec.accelerometer.noise_density,
         1.0, tolerance);
   }
 }
 
 TEST(Imu, WhiteNoiseOfASampleGrowsWithTheRootOfTheRate) {
   const auto deviation = [](double rate_hz) {
-    ImuSpec spec;
-    spec.rate_hz = rate_hz;
-    spec.gyro_bias_walk_rad_s_sqrts = 0.0;
-    spec.gyro_bias_initial_rad_s = 0.0;
+    ImuSpec spec = flawless_spec(rate_hz);
+    spec.gyro.noise_density = 5e-4;
     double sum = 0.0;
     const auto samples = samples_of(spec, standing_still(100.0, Duration{2'500'000}));
     for (const ImuSample& s : samples) sum += s.angular_rate_rad_s.squaredNorm();
-    return std::sqrt(sum / (3.0 * static_cast<double>(samples.size()))) /
-           spec.gyro_noise_rad_s_sqrthz;
+    return std::sqrt(sum / (3.0 * static_cast<double>(samples.size()))) / spec.gyro.noise_density;
   };
   // N/√Δt; 30 000 draws at 100 Hz: relative standard error 1/√(2n) = 0.4 %, four of them.
   EXPECT_NEAR(deviation(100.0) / 10.0, 1.0, 0.017);
@@ -244,14 +240,11 @@ TEST(Imu, WhiteNoiseOfASampleGrowsWithTheRootOfTheRate) {
 }
 
 TEST(Imu, BiasStartsAtItsSigmaAndItsVarianceGrowsByTheWalk) {
-  ImuSpec spec;
-  spec.rate_hz = 10.0;
-  spec.gyro_noise_rad_s_sqrthz = 0.0;
-  spec.accelerometer_noise_m_s2_sqrthz = 0.0;
-  spec.gyro_bias_initial_rad_s = 0.02;
-  spec.gyro_bias_walk_rad_s_sqrts = 0.01;
-  spec.accelerometer_bias_initial_m_s2 = 0.3;
-  spec.accelerometer_bias_walk_m_s2_sqrts = 0.2;
+  ImuSpec spec = flawless_spec(10.0);
+  spec.gyro.turn_on_bias = 0.02;
+  spec.gyro.bias_walk = 0.01;
+  spec.accelerometer.turn_on_bias = 0.3;
+  spec.accelerometer.bias_walk = 0.2;
   const Trajectory trajectory = standing_still(40.0, Duration{100'000'000});
   constexpr int kRuns = 500;
   constexpr std::array<std::size_t, 3> kAt = {0, 99, 399};
@@ -274,13 +267,24 @@ TEST(Imu, BiasStartsAtItsSigmaAndItsVarianceGrowsByTheWalk) {
   }
 }
 
+// Some of each kind within four seconds.
+Faults lively_faults() {
+  return Faults({{.at_s = 0.5, .for_s = 1.0, .kind = ImuStuckAxis{.axis = "accelerometer_y"}},
+                 {.at_s = 1.0, .for_s = 1.0, .kind = ImuBiasJump{.gyro_rad_s = {0.1, 0.0, -0.2}}},
+                 {.at_s = 1.2, .for_s = 2.0, .kind = ImuDropout{.share = 0.3}},
+                 {.at_s = 1.5, .for_s = 1.0, .kind = ImuSaturation{.gyro_range_rad_s = 0.1}}});
+}
+
 TEST(Imu, SameSeedSameBytesHoweverTimeIsSliced) {
   const Trajectory trajectory = trajectory_along(lively_pose, 4.0);
   const Pose T_vehicle_imu{.translation = {0.1, 0.2, 0.3}};
-  const std::vector<ImuSample> whole = samples_of(ImuSpec{}, trajectory, T_vehicle_imu, 7);
-  ASSERT_EQ(whole.size(), 800u);
+  std::vector<ImuSample> whole;
+  Imu(ImuSpec{}, T_vehicle_imu, 7, lively_faults())
+      .sample(trajectory, trajectory.start(), trajectory.end(), whole);
+  // 400 samples of which 0.3 are lost, 120 ± 4·9.2.
+  ASSERT_NEAR(static_cast<double>(whole.size()), 680.0, 37.0);
 
-  Imu imu(ImuSpec{}, T_vehicle_imu, 7);
+  Imu imu(ImuSpec{}, T_vehicle_imu, 7, lively_faults());
   std::vector<ImuSample> sliced;
   const Duration slice{7'300'000};
   for (Stamp from = trajectory.start(); from < trajectory.end(); from += slice) {
@@ -289,21 +293,77 @@ TEST(Imu, SameSeedSameBytesHoweverTimeIsSliced) {
   ASSERT_EQ(sliced.size(), whole.size());
   EXPECT_EQ(std::memcmp(sliced.data(), whole.data(), whole.size() * sizeof(ImuSample)), 0);
 
+  const std::vector<ImuSample> one = samples_of(ImuSpec{}, trajectory, T_vehicle_imu, 7);
   const std::vector<ImuSample> other = samples_of(ImuSpec{}, trajectory, T_vehicle_imu, 8);
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    ASSERT_NE(whole[i].angular_rate_rad_s, other[i].angular_rate_rad_s);
-    ASSERT_NE(whole[i].specific_force_m_s2, other[i].specific_force_m_s2);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    ASSERT_NE(one[i].angular_rate_rad_s, other[i].angular_rate_rad_s);
+    ASSERT_NE(one[i].specific_force_m_s2, other[i].specific_force_m_s2);
   }
 }
 
 TEST(Imu, SkippedTimeDoesNotChangeLaterSamples) {
   const Trajectory trajectory = trajectory_along(lively_pose, 2.0);
-  const std::vector<ImuSample> whole = samples_of(ImuSpec{}, trajectory);
+  const Faults stuck({{.at_s = 0.9, .for_s = 0.5, .kind = ImuStuckAxis{.axis = "gyro_x"}}});
+  std::vector<ImuSample> whole;
+  Imu(ImuSpec{}, {}, 1, stuck).sample(trajectory, trajectory.start(), trajectory.end(), whole);
+  ASSERT_EQ(whole.size(), 400u);
   std::vector<ImuSample> late;
-  Imu(ImuSpec{}, {}, 1).sample(trajectory, stamp_from_seconds(1.0), trajectory.end(), late);
+  Imu(ImuSpec{}, {}, 1, stuck).sample(trajectory, stamp_from_seconds(1.0), trajectory.end(), late);
   ASSERT_EQ(late.size(), 200u);
   EXPECT_EQ(late.front().time, stamp_from_seconds(1.005));
   EXPECT_EQ(std::memcmp(late.data(), &whole[200], 200 * sizeof(ImuSample)), 0);
+}
+
+TEST(Imu, WithEveryEffectOffItIsIdealAndEachEffectCounts) {
+  ImuSpec spec;
+  spec.gyro.bias_walk = spec.accelerometer.bias_walk = 1e-3;
+  // A range that this drive exceeds by gravity alone, and steps that show.
+  spec.gyro.range = 0.05;
+  spec.accelerometer.range = 9.0;
+  spec.gyro.resolution = spec.accelerometer.resolution = 1e-3;
+  using Flag = bool ImuEffects::*;
+  constexpr std::array<Flag, 12> kFlags = {
+      &ImuEffects::white_noise,   &ImuEffects::bias_instability, &ImuEffects::bias_walk,
+      &ImuEffects::turn_on_bias,  &ImuEffects::scale_factor,     &ImuEffects::misalignment,
+      &ImuEffects::g_sensitivity, &ImuEffects::bandwidth,        &ImuEffects::saturation,
+      &ImuEffects::quantisation,  &ImuEffects::temperature,      &ImuEffects::vibration};
+  for (const Flag flag : kFlags) spec.effects.*flag = false;
+  const Trajectory trajectory = trajectory_along(lively_pose, 1.0);
+  const std::vector<ImuSample> ideal = samples_of(ideal_spec(), trajectory);
+  const std::vector<ImuSample> none = samples_of(spec, trajectory);
+  ASSERT_EQ(none.size(), ideal.size());
+  EXPECT_EQ(std::memcmp(none.data(), ideal.data(), none.size() * sizeof(ImuSample)), 0);
+  for (std::size_t i = 0; i < kFlags.size(); ++i) {
+    ImuSpec with = spec;
+    with.effects.*kFlags[i] = true;
+    const std::vector<ImuSample> samples = samples_of(with, trajectory);
+    bool gyro_differs = false;
+    bool accelerometer_differs = false;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      gyro_differs |= samples[k].angular_rate_rad_s != ideal[k].angular_rate_rad_s;
+      accelerometer_differs |= samples[k].specific_force_m_s2 != ideal[k].specific_force_m_s2;
+    }
+    EXPECT_TRUE(gyro_differs) << i;
+    EXPECT_EQ(accelerometer_differs, kFlags[i] != &ImuEffects::g_sensitivity) << i;
+  }
+}
+
+TEST(Imu, RoadShakesItByTheRootOfTheCarsSpeed) {
+  ImuSpec spec = flawless_spec(400.0);
+  spec.vibration.road_rms_m_s2 = 0.5;
+  const auto shaking = [&](double speed_m_s) {
+    const auto pose_at = [&](double t) { return Pose{.translation = {speed_m_s * t, 0.0, 0.0}}; };
+    double sum = 0.0;
+    const auto samples = samples_of(spec, trajectory_along(pose_at, 30.0));
+    for (const ImuSample& sample : samples) {
+      sum += (sample.specific_force_m_s2 - kGravity_m_s2 * Vector3d::UnitZ()).squaredNorm();
+    }
+    return sum / static_cast<double>(samples.size());
+  };
+  // The same draws: the ratio is exact but for the rounding of positions, 1e-13 m over 2.5 ms².
+  EXPECT_NEAR(shaking(20.0) / shaking(5.0), 4.0, 1e-5);
+  EXPECT_LT(shaking(0.0), 1e-20);
+  EXPECT_GT(shaking(20.0), 0.1);
 }
 
 TEST(Imu, RateThatDoesNotDivideThePhysicsIsRefused) {
@@ -322,7 +382,7 @@ TEST(Imu, RateThatDoesNotDivideThePhysicsIsRefused) {
 
 TEST(Imu, SpecOutOfLimitsIsRefused) {
   ImuSpec spec;
-  spec.gyro_bias_initial_rad_s = -0.1;
+  spec.gyro.turn_on_bias = -0.1;
   EXPECT_THROW(Imu(spec, {}, 1), InputError);
 }
 

@@ -29,7 +29,7 @@ std::vector<double> range_errors(const LidarScan& noisy, const LidarScan& exact)
 
 TEST(Lidar, RangeNoiseIsGaussianOfTheGivenSigma) {
   const RayScene scene(white_room(10.0), {});
-  const LidarSpec spec = hdl32e_spec();
+  const LidarSpec spec = plainly_noisy(hdl32e_spec());
   Lidar lidar(spec, {}, 0, 1);
   const LidarScan exact = one_scan(Lidar(noiseless(spec), {}, 0, 1), scene, standing_still());
   const LidarScan noisy = one_scan(lidar, scene, standing_still());
@@ -57,7 +57,7 @@ TEST(Lidar, RangeNoiseIsGaussianOfTheGivenSigma) {
 
 TEST(Lidar, NoiseDiffersBetweenScansSensorsAndSeeds) {
   const RayScene scene(white_room(10.0), {});
-  const LidarSpec spec = hdl32e_spec();
+  const LidarSpec spec = plainly_noisy(hdl32e_spec());
   const Trajectory trajectory = standing_still();
   const LidarScan exact = one_scan(Lidar(noiseless(spec), {}, 0, 1), scene, trajectory);
   const auto errors = range_errors(one_scan(Lidar(spec, {}, 0, 1), scene, trajectory), exact);
@@ -168,7 +168,8 @@ TEST(Lidar, ReportsNothingBeyondItsLimits) {
     world.structures.append(mesh, wall);
   }
   const RayScene scene(world, {});
-  const LidarScan scan = one_scan(Lidar(hdl32e_spec(), {}, 0, 1), scene, standing_still());
+  const LidarScan scan =
+      one_scan(Lidar(plainly_noisy(hdl32e_spec()), {}, 0, 1), scene, standing_still());
   double nearest_m = 1e9;
   double farthest_m = 0.0;
   for (const LidarPoint& point : scan.points) {
@@ -196,7 +197,9 @@ TEST(Lidar, WeakTargetsFadeAtTheRangeOfTheirReflectivity) {
   world.ground.add_quad({-200.0, -200.0, 0.0}, {200.0, -200.0, 0.0}, {200.0, 200.0, 0.0},
                         {-200.0, 200.0, 0.0}, 0);
   const RayScene scene(world, {});
-  LidarSpec spec = noiseless(hdl32e_spec());
+  LidarSpec spec = noiseless(plainly_noisy(hdl32e_spec()));
+  spec.effects.incidence = false;
+  spec.effects.detection_limit = true;
   spec.beams.resize(1);
   for (const double range_m : {33.3, 33.4}) {
     spec.beams[0].elevation_rad = -std::asin(2.0 / range_m);
@@ -208,7 +211,7 @@ TEST(Lidar, WeakTargetsFadeAtTheRangeOfTheirReflectivity) {
 
 TEST(Lidar, IntensityIsReflectivityTimesTheCosineOfIncidence) {
   World world = bright_world();
-  world.materials.push_back({.name = "grey", .reflectivity_905nm = 0.4});
+  world.materials.push_back({.name = "grey", .reflectivity_905nm = 0.4, .roughness_rad = 0.0});
   world.ground.add_quad({-20.0, -20.0, 0.0}, {20.0, -20.0, 0.0}, {20.0, 20.0, 0.0},
                         {-20.0, 20.0, 0.0}, 1);
   const RayScene scene(world, {});

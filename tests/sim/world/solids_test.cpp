@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/ray_scene.h"
 #include "sim/world/buildings.h"
 #include "sim/world/cars.h"
 #include "sim/world/materials.h"
@@ -79,7 +80,8 @@ TEST(Buildings, EverySolidIsClosedAndFacesOut) {
   RandomSequence random(1, "test");
   for (int i = 0; i < 60; ++i) {
     TriangleMesh mesh;
-    add_building(mesh, plan_of(i), random);
+    TriangleMesh interiors;
+    add_building(mesh, interiors, plan_of(i), random);
     expect_closed_and_outward(mesh);
   }
 }
@@ -89,7 +91,8 @@ TEST(Buildings, VolumeIsThatOfTheWallsAndARoof) {
   for (int i = 0; i < 60; ++i) {
     const BuildingPlan plan = plan_of(i);
     TriangleMesh mesh;
-    add_building(mesh, plan, random);
+    TriangleMesh interiors;
+    add_building(mesh, interiors, plan, random);
     double volume_m3 = 0.0;
     for (const Part& part : parts_of(mesh)) volume_m3 += part.volume6_m3 / 6.0;
     const double box_m3 = 4.0 * plan.footprint.half_extent_m.prod() * (plan.height_m + 0.5);
@@ -98,6 +101,57 @@ TEST(Buildings, VolumeIsThatOfTheWallsAndARoof) {
     EXPECT_GT(volume_m3, 0.7 * box_m3);
     EXPECT_LT(volume_m3, 1.15 * box_m3);
   }
+}
+
+TEST(Buildings, BehindPanesAreRoomsThatDoNotShowOutside) {
+  RandomSequence random(3, "test");
+  std::size_t outside = 0;
+  std::size_t inside = 0;
+  std::size_t panes = 0;
+  std::size_t deep = 0;
+  for (int i = 0; i < 30; ++i) {
+    World world;
+    world.materials = town_materials();
+    const BuildingPlan plan = plan_of(i);
+    add_building(world.structures, world.interiors, plan, random);
+    outside += world.structures.triangles.size();
+    inside += world.interiors.triangles.size();
+    const RayScene scene(world, {});
+    const Vector2d out = -plan.footprint.across();
+    for (std::size_t t = 0; t < world.structures.triangles.size(); ++t) {
+      if (world.structures.materials[t] != id(TownMaterial::glass)) continue;
+      const Vector3d normal = world.structures.area_normal(t).normalized();
+      if (normal.head<2>().dot(out) < 0.99) continue;
+      const Vector3d middle = (world.structures.corner(t, 0) + world.structures.corner(t, 1) +
+                               world.structures.corner(t, 2)) /
+                              3.0;
+      const Vector3d inwards =
+          -normal +
+          Vector3d(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4));
+      const auto hit = scene.cast(middle - 0.001 * normal, inwards.normalized(), Stamp{}, 100.0);
+      ++panes;
+      // Rooms are 5 m deep; the ray is at most 1.5 times as long as it is deep. Bay windows end at
+      // the wall.
+      ASSERT_TRUE(hit.has_value());
+      if (hit->range_m > 7.5) ++deep;
+    }
+    for (int k = 0; k < 400; ++k) {
+      const Vector3d target(plan.footprint.center.x() + random.uniform(-6.0, 6.0),
+                            plan.footprint.center.y() + random.uniform(-6.0, 6.0),
+                            random.uniform(0.0, plan.height_m));
+      const double angle = random.uniform(0.0, 6.28318);
+      const Vector3d from =
+          target + 60.0 * Vector3d(std::cos(angle), std::sin(angle), random.uniform(-0.2, 0.5));
+      const auto hit = scene.cast(from, (target - from).normalized(), Stamp{}, 200.0);
+      if (hit) {
+        EXPECT_EQ(hit->surface, Surface::structures);
+      }
+    }
+  }
+  EXPECT_GT(panes, 500U);
+  EXPECT_EQ(deep, 0U);
+  EXPECT_GT(inside, 0U);
+  EXPECT_LT(static_cast<double>(inside), 0.15 * static_cast<double>(outside));
 }
 
 TEST(Cars, FillTheirBoxAndAreClosed) {

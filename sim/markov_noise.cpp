@@ -1,4 +1,4 @@
-#include "sim/imu/markov_noise.h"
+#include "sim/markov_noise.h"
 
 #include <cassert>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "sim/imu/markov_noise.h"
+#include "sim/markov_noise.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sim/imu/sample_times.h"
+#include "sim/sample_times.h"
 
 namespace locsim::sim {
 namespace {

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "core/parameters.h"
+#include "core/pose.h"
+#include "core/time.h"
+
+namespace locsim::sim {
+
+/// Which LIDAR of a rig a fault befalls, by its place in `sensors.lidar`; −1 for all.
+struct LidarChoice {
+  int sensor = -1;
+
+  void describe(Parameters& p) { p.integer("sensor", sensor, {.min = -1.0, .max = 15.0}); }
+  [[nodiscard]] bool includes(std::size_t index) const {
+    return sensor < 0 || static_cast<std::size_t>(sensor) == index;
+  }
+};
+
+/// No satellite is received.
+struct GnssOutage {
+  static constexpr std::string_view kName = "gnss_outage";
+  void describe(Parameters&) {}
+};
+
+/// No return comes back.
+struct LidarBlackout : LidarChoice {
+  static constexpr std::string_view kName = "lidar_blackout";
+};
+
+/// Dirt on a sector of the window, between two azimuths of the lidar frame, counter-clockwise.
+struct LidarDirt : LidarChoice {
+  static constexpr std::string_view kName = "lidar_dirt";
+  double from_rad = -std::numbers::pi / 6.0;
+  double to_rad = std::numbers::pi / 6.0;
+  /// Share of the light that passes it, each way.
+  double transmission = 0.1;
+  void describe(Parameters& p);
+  /// Whether the azimuth lies in the sector.
+  [[nodiscard]] bool covers(double azimuth_rad) const;
+};
+
+/// The last scan before the fault comes again and again, with new stamps or with its own.
+struct LidarFrozen : LidarChoice {
+  static constexpr std::string_view kName = "lidar_frozen";
+  bool new_stamps = true;
+  void describe(Parameters& p);
+};
+
+/// Stamps are wrong by a constant and, from scan to scan, by a random amount.
+struct LidarStamps : LidarChoice {
+  static constexpr std::string_view kName = "lidar_stamps";
+  double offset_s = 0.0;
+  /// Standard deviation.
+  double jitter_s = 0.0;
+  void describe(Parameters& p);
+};
+
+/// The mount is bent: the sensor sits and looks elsewhere than its calibration says.
+struct LidarKnock : LidarChoice {
+  static constexpr std::string_view kName = "lidar_knock";
+  Vector3d shift_m = Vector3d::Zero();
+  Vector3d roll_pitch_yaw_rad = Vector3d::Zero();
+  void describe(Parameters& p);
+  /// T_lidar_knocked: where the sensor is now, in the lidar frame that its calibration says.
+  [[nodiscard]] Pose offset() const;
+};
+
+/// One of the six axes repeats its last value.
+struct ImuStuckAxis {
+  static constexpr std::string_view kName = "imu_stuck_axis";
+  static constexpr std::array<std::string_view, 6> kAxes = {
+      "gyro_x", "gyro_y", "gyro_z", "accelerometer_x", "accelerometer_y", "accelerometer_z"};
+  std::string axis{kAxes[2]};
+  void describe(Parameters& p);
+};
+
+/// The biases jump, and jump back at the end.
+struct ImuBiasJump {
+  static constexpr std::string_view kName = "imu_bias_jump";
+  Vector3d gyro_rad_s = Vector3d::Zero();
+  Vector3d accelerometer_m_s2 = Vector3d::Zero();
+  void describe(Parameters& p);
+};
+
+/// Samples are lost, each with this probability.
+struct ImuDropout {
+  static constexpr std::string_view kName = "imu_dropout";
+  double share = 1.0;
+  void describe(Parameters& p);
+};
+
+/// Samples arrive late, with their true stamps.
+struct ImuLate {
+  static constexpr std::string_view kName = "imu_late";
+  double delay_s = 0.05;
+  void describe(Parameters& p);
+  [[nodiscard]] Duration delay() const { return duration_from_seconds(delay_s); }
+};
+
+/// The measuring ranges shrink to these.
+struct ImuSaturation {
+  static constexpr std::string_view kName = "imu_saturation";
+  double gyro_range_rad_s = 0.1;
+  double accelerometer_range_m_s2 = 10.0;
+  void describe(Parameters& p);
+};
+
+/// Every fault there is: a new one is a struct here, its name in this list, and a place that asks
+/// for it.
+using FaultKind =
+    std::variant<GnssOutage, LidarBlackout, LidarDirt, LidarFrozen, LidarStamps, LidarKnock,
+                 ImuStuckAxis, ImuBiasJump, ImuDropout, ImuLate, ImuSaturation>;
+
+}  // namespace locsim::sim
