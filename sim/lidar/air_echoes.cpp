@@ -86,6 +86,11 @@ AirEchoes::AirEchoes(const Atmosphere& air, const LidarSpec& spec) {
   build_soft(air.backscatter_1_m_sr, 0.5 * kLight_m_s * 1e-9 * spec.pulse_ns);
   build_drops(spec.range_max_m);
   silent_ = soft_.empty() && drop_before_.empty();
+  // Rounded up: better one ray asked too many.
+  most_drop_bits_ =
+      soft_.empty()
+          ? static_cast<std::uint32_t>(std::min(0x1p32 * drop_probability_ + 0x1p10, 0x1p32 - 1.0))
+          : ~0U;
 }
 
 // A diffuse target sends ρ/π per sr back, air β·dr: it is a target of ρ = π·β·dr. Where the gain

@@ -55,6 +55,9 @@ class AirEchoes {
     return drop.power > soft.power ? drop : soft;
   }
 
+  /// Whether `strongest` may answer anything for a ray whose bits[1] these are.
+  [[nodiscard]] bool may_answer(std::uint32_t bits1) const { return bits1 <= most_drop_bits_; }
+
   /// One way, of everything in the air.
   [[nodiscard]] float extinction_1_m() const { return extinction_1_m_; }
 
@@ -108,6 +111,8 @@ class AirEchoes {
   std::vector<std::uint16_t> drop_cell_;
   float drop_reach_m_ = 0.0F;
   float drop_probability_ = 0.0F;
+  /// None but these and lower bits may be answered.
+  std::uint32_t most_drop_bits_ = 0;
 };
 
 }  // namespace locsim::sim

@@ -17,6 +17,7 @@ constexpr double kNoiseReach_sigma = 7.0;  // beyond what 32 random bits can dra
 constexpr double kSlack_m = 1.0;           // the way of a car within one block, generously
 constexpr std::size_t kDraws = 4;          // random numbers by one call
 constexpr std::uint64_t kSecondReturn = 1ULL << 32;
+constexpr std::uint64_t kOwnDraws = 1ULL << 32;
 
 std::size_t blocks_of(std::size_t cycles) {
   return (cycles + kLanes - 1) / kLanes;
@@ -72,9 +73,9 @@ struct Lidar::Scratch {
   SceneEchoes scene;
   /// A packet a beam, the chosen return and, in dual mode, the second.
   std::array<std::vector<Returns>, 2> returns;
-  /// First of `scene.further` that no beam before had.
-  std::size_t next_further = 0;
   std::vector<Echo> echoes;
+  /// Whether rays meet drops, for four beams.
+  std::array<std::array<std::uint32_t, kLanes>, kDraws> drop_bits;
 };
 
 Lidar::Lidar(LidarSpec spec, const Pose& T_vehicle_lidar, std::uint16_t sensor, std::uint64_t seed,
@@ -181,7 +182,7 @@ void Lidar::cast(const RayScene& scene, const Trajectory& trajectory, Stamp from
   prepare_air(begin, end);
 
   const std::vector<Optics> optics = optics_of(scene.materials(), spec_.effects);
-  const SceneCaster caster(scene, rays_, optics, spread_, cast_range_m_);
+  const SceneCaster caster(scene, rays_, optics, spread_, cast_range_m_, receiver_.limit());
   const std::size_t room = kLanes * spec_.beams.size() * (receiver_.is_dual() ? 2 : 1);
   slots_.resize((last - first) * room);
   std::vector<std::size_t> counts(last - first);
@@ -233,11 +234,7 @@ void Lidar::receive(const FiringBlock& block, const AirEchoes* air, Scratch& scr
   };
   if (std::ranges::any_of(faults_.all<LidarDirt>(), is_dirty)) {
     for (std::size_t r = 0; r < rays_.size(); ++r) {
-      const Lanes gain = window_gain(block, r / sub_rays_);
-      scratch.scene.surfaces[r].strength *= gain;
-      for (FurtherEcho& echo : scratch.scene.further) {
-        if (echo.ray == r) echo.strength *= gain(echo.lane);
-      }
+      scratch.scene.weaken(r, window_gain(block, r / sub_rays_));
     }
   }
   for (std::size_t beam = 0; beam < spec_.beams.size(); ++beam) {
@@ -258,40 +255,36 @@ void Lidar::receive_beam(const FiringBlock& block, std::size_t beam, const AirEc
   if (receiver_.is_dual()) scratch.returns[1][beam].range_m.setZero();
 
   // All others get the whole list of their echoes.
-  const std::vector<FurtherEcho>& further = scratch.scene.further;
-  const std::size_t first = scratch.next_further;
-  std::size_t last = first;
-  while (last < further.size() && further[last].ray < (beam + 1) * sub_rays_) ++last;
-  scratch.next_further = last;
-  if (air == nullptr && first == last && sub_rays_ == 1) return;
-  const float share = 1.0F / static_cast<float>(sub_rays_);
+  if (air == nullptr && !scratch.scene.has_further() && sub_rays_ == 1) return;
+  if (air != nullptr && beam % kDraws == 0) draw_drops(block, beam, scratch);
   for (int lane = 0; lane < static_cast<int>(block.cycles); ++lane) {
-    Echo of_air;
-    if (air != nullptr) {
-      const auto bits =
-          air_noise_.bits(draw_index(block.times[static_cast<std::size_t>(lane)]), beam);
-      const AirEchoes::Echo drop = air->strongest(whole.nearest_m(lane), bits);
-      of_air = {.range_m = drop.range_m, .power = drop.power};
-    }
-    const bool has_further =
-        std::any_of(further.begin() + static_cast<std::ptrdiff_t>(first),
-                    further.begin() + static_cast<std::ptrdiff_t>(last),
-                    [lane](const FurtherEcho& echo) { return echo.lane == lane; });
+    const bool has_further = [&] {
+      for (std::size_t s = 0; s < sub_rays_; ++s) {
+        if (scratch.scene.has_further(beam * sub_rays_ + s, lane)) return true;
+      }
+      return false;
+    }();
     const bool is_split = sub_rays_ > 1 && whole.farthest_m(lane) - whole.nearest_m(lane) >
                                                receiver_.pulse_length_m();
+    Echo of_air;
+    if (air != nullptr) {
+      const std::uint32_t bits = scratch.drop_bits[beam % kDraws][static_cast<std::size_t>(lane)];
+      if (air->may_answer(bits)) {
+        of_air = air_echo(*air, block.times[static_cast<std::size_t>(lane)], beam, bits,
+                          whole.nearest_m(lane));
+      }
+    }
     if (!has_further && !is_split && of_air.power == 0.0F) continue;
 
     scratch.echoes.assign(1, of_air);
     const auto add = [&](float range_m, float strength) {
       if (std::isinf(range_m)) return;
-      scratch.echoes.push_back(
-          {range_m, received_power(share * strength, range_m, extinction_1_m)});
+      const float share = strength / static_cast<float>(sub_rays_);
+      scratch.echoes.push_back({range_m, received_power(share, range_m, extinction_1_m)});
     };
     for (std::size_t s = 0; s < sub_rays_; ++s) {
       add(surfaces[s].range_m(lane), surfaces[s].strength(lane));
-    }
-    for (std::size_t i = first; i < last; ++i) {
-      if (further[i].lane == lane) add(further[i].range_m, further[i].strength);
+      scratch.scene.for_further(beam * sub_rays_ + s, lane, add);
     }
     const ReportedEchoes reported = receiver_.report(scratch.echoes);
     main.range_m(lane) = reported[0].range_m;
@@ -301,6 +294,22 @@ void Lidar::receive_beam(const FiringBlock& block, std::size_t beam, const AirEc
       scratch.returns[1][beam].power(lane) = reported[1].power;
     }
   }
+}
+
+// Few rays meet a drop: whether one does is drawn for four beams at once.
+void Lidar::draw_drops(const FiringBlock& block, std::size_t beam, Scratch& scratch) const {
+  for (std::size_t i = 0; i < block.cycles; ++i) {
+    const auto bits = air_noise_.bits(draw_index(block.times[i]), beam / kDraws);
+    for (std::size_t k = 0; k < kDraws; ++k) scratch.drop_bits[k][i] = bits[k];
+  }
+}
+
+Echo Lidar::air_echo(const AirEchoes& air, Stamp fired, std::size_t beam, std::uint32_t drop_bits,
+                     float target_range_m) const {
+  std::array<std::uint32_t, 4> bits = air_noise_.bits(draw_index(fired), kOwnDraws + beam);
+  bits[1] = drop_bits;
+  const AirEchoes::Echo echo = air.strongest(target_range_m, bits);
+  return {.range_m = echo.range_m, .power = echo.power};
 }
 
 // Turns ranges into what the sensor says of them.
@@ -313,7 +322,9 @@ void Lidar::measure(const FiringBlock& block, std::size_t which, Scratch& scratc
                        detection_limit(spec_);
   const auto step_m = static_cast<float>(spec_.effects.quantisation ? spec_.range_step_m : 0.0);
   std::array<Lanes, kDraws> normals;
+  normals.fill(Lanes::Zero());
   for (std::size_t b = 0; b < returns.size(); ++b) {
+    const auto is_seen = returns[b].range_m > 0.0F;
     Lanes range_m = returns[b].range_m;
     if (is_noisy) {
       if (b % kDraws == 0) {
@@ -326,15 +337,16 @@ void Lidar::measure(const FiringBlock& block, std::size_t which, Scratch& scratc
           }
         }
       }
-      range_m += (variance_m2 + weak_m2 / returns[b].power).sqrt() * normals[b % kDraws];
+      const Lanes power = is_seen.select(returns[b].power, 1.0F);
+      range_m += (variance_m2 + weak_m2 / power).sqrt() * normals[b % kDraws];
     }
     range_m += biases_m_[b];
     // Ranges are positive: cutting off after adding a half rounds them.
     if (step_m > 0.0F) range_m = step_m * (range_m / step_m + 0.5F).cast<int>().cast<float>();
-    returns[b].range_m =
-        (returns[b].range_m > 0.0F && range_m >= static_cast<float>(spec_.range_min_m) &&
-         range_m <= static_cast<float>(spec_.range_max_m))
-            .select(range_m, 0.0F);
+    returns[b].range_m = (is_seen && range_m >= static_cast<float>(spec_.range_min_m) &&
+                          range_m <= static_cast<float>(spec_.range_max_m))
+                             .select(range_m, 0.0F)
+                             .eval();
   }
 }
 

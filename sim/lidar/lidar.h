@@ -74,6 +74,9 @@ class Lidar {
   void receive(const FiringBlock& block, const AirEchoes* air, Scratch& scratch) const;
   void receive_beam(const FiringBlock& block, std::size_t beam, const AirEchoes* air,
                     Scratch& scratch) const;
+  void draw_drops(const FiringBlock& block, std::size_t beam, Scratch& scratch) const;
+  [[nodiscard]] Echo air_echo(const AirEchoes& air, Stamp fired, std::size_t beam,
+                              std::uint32_t drop_bits, float target_range_m) const;
   void measure(const FiringBlock& block, std::size_t which, Scratch& scratch) const;
   std::size_t report(const FiringBlock& block, Stamp scan_start, const Scratch& scratch,
                      LidarPoint* points) const;

@@ -53,8 +53,11 @@ PaneOptics pane_optics(float refractive_index, float cos_incidence) {
   pane.mirrored = 2.0F * face / (1.0F + face);
   pane.transmitted = (1.0F - kPaneAbsorption) * (1.0F - pane.mirrored);
   // Facets of Gaussian slopes send back R·exp(−tan²θ/2s²)/(8 s²) of what white diffuse would.
-  pane.glint = pane.mirrored * std::exp(-0.5F * tan2 / squared(kPaneSlope_rad)) /
-               (8.0F * squared(kPaneSlope_rad));
+  // Beyond six standard deviations there is no facet left.
+  if (tan2 < squared(6.0F * kPaneSlope_rad)) {
+    pane.glint = pane.mirrored * std::exp(-0.5F * tan2 / squared(kPaneSlope_rad)) /
+                 (8.0F * squared(kPaneSlope_rad));
+  }
   return pane;
 }
 

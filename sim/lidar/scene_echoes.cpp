@@ -90,10 +90,32 @@ void set_ray(RTCRayHit16& packet, int lane, const Vector3f& origin, const Vector
 
 }  // namespace
 
+void SceneEchoes::reset(std::size_t packets) {
+  surfaces.resize(packets);
+  further_.clear();
+  first_.assign(packets * kLanes, -1);
+}
+
+void SceneEchoes::add_further(std::uint32_t packet, int lane, float range_m, float strength) {
+  std::int32_t& first = first_[packet * kLanes + static_cast<std::size_t>(lane)];
+  further_.push_back({.range_m = range_m, .strength = strength, .next = first});
+  first = static_cast<std::int32_t>(further_.size()) - 1;
+}
+
+void SceneEchoes::weaken(std::size_t packet, const Lanes& gain) {
+  surfaces[packet].strength *= gain;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    for (std::int32_t i = first_of(packet, lane); i >= 0;) {
+      FurtherEcho& echo = further_[static_cast<std::size_t>(i)];
+      echo.strength *= gain(lane);
+      i = echo.next;
+    }
+  }
+}
+
 void SceneCaster::cast(const FiringBlock& block, std::span<const std::uint32_t> near_actors,
                        SceneEchoes& echoes) const {
-  echoes.surfaces.resize(rays_.size());
-  echoes.further.clear();
+  echoes.reset(rays_.size());
   std::vector<PaneHit> panes;
   const BlockMotion motion({block.T_map_lidar.data(), block.cycles + 1}, block.head_turns());
   meet_standing(block, motion, echoes, panes);
@@ -196,69 +218,76 @@ void SceneCaster::meet_actor(std::uint32_t index, const FiringBlock& block, Scen
 void SceneCaster::follow(const FiringBlock& block, const BlockMotion& motion,
                          std::span<const std::uint32_t> near_actors,
                          const std::vector<PaneHit>& panes, SceneEchoes& echoes) const {
-  std::vector<Segment> segments;
+  Light light;
   for (const PaneHit& pane : panes) {
     const BlockMotion::Ray ray = motion.ray(rays_[pane.ray], pane.lane);
     send_on(pane, ray.origin_m + pane.range_m * ray.direction, ray.direction, pane.range_m, 1.0F, 0,
-            segments, echoes.surfaces[pane.ray].strength(pane.lane));
+            light, echoes.surfaces[pane.ray].strength(pane.lane));
   }
   const std::vector<ActorPlace> actors = places_of(block, near_actors);
-  std::vector<Segment> onward;
-  std::array<Met, kLanes> met;
-  while (!segments.empty()) {
-    onward.clear();
-    for (std::size_t i = 0; i < segments.size(); i += kLanes) {
-      const std::span<const Segment> group(segments.data() + i,
-                                           std::min<std::size_t>(kLanes, segments.size() - i));
-      meet(block, actors, group, met);
-      for (std::size_t k = 0; k < group.size(); ++k) {
-        if (std::isinf(met[k].range_m)) continue;
-        const Segment& segment = group[k];
-        const float path_m = segment.path_m + met[k].range_m;
-        float strength = strength_of(met[k].optics, met[k].cos_incidence);
-        if (met[k].optics.refractive_index > 0.0F && segment.panes_passed < kMostPanes) {
-          send_on({.ray = segment.ray,
-                   .lane = segment.lane,
-                   .range_m = met[k].range_m,
-                   .normal = met[k].normal,
-                   .refractive_index = met[k].optics.refractive_index},
-                  segment.origin + met[k].range_m * segment.direction, segment.direction, path_m,
-                  segment.gain, segment.panes_passed, onward, strength);
-        }
-        echoes.further.push_back({.ray = segment.ray,
-                                  .lane = segment.lane,
-                                  .range_m = path_m,
-                                  .strength = segment.gain * strength});
-      }
-    }
-    segments.swap(onward);
+  Light onward;
+  while (!light.through.empty() || !light.mirrored.empty()) {
+    follow_all(block, actors, light.through, onward, echoes);
+    follow_all(block, actors, light.mirrored, onward, echoes);
+    std::swap(light, onward);
+    onward.through.clear();
+    onward.mirrored.clear();
   }
-  std::ranges::stable_sort(echoes.further, {},
-                           [](const FurtherEcho& echo) { return std::pair(echo.ray, echo.lane); });
+}
+
+void SceneCaster::follow_all(const FiringBlock& block, std::span<const ActorPlace> actors,
+                             std::span<const Segment> segments, Light& onward,
+                             SceneEchoes& echoes) const {
+  std::array<Met, kLanes> met;
+  for (std::size_t i = 0; i < segments.size(); i += kLanes) {
+    const auto group = segments.subspan(i, std::min<std::size_t>(kLanes, segments.size() - i));
+    meet(block, actors, group, met);
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      if (std::isinf(met[k].range_m)) continue;
+      const Segment& segment = group[k];
+      const float path_m = segment.path_m + met[k].range_m;
+      float strength = strength_of(met[k].optics, met[k].cos_incidence);
+      if (met[k].optics.refractive_index > 0.0F && segment.panes_passed < kMostPanes) {
+        send_on({.ray = segment.ray,
+                 .lane = segment.lane,
+                 .range_m = met[k].range_m,
+                 .normal = met[k].normal,
+                 .refractive_index = met[k].optics.refractive_index},
+                segment.origin + met[k].range_m * segment.direction, segment.direction, path_m,
+                segment.gain, segment.panes_passed, onward, strength);
+      }
+      echoes.add_further(segment.ray, segment.lane, path_m, segment.gain * strength);
+    }
+  }
 }
 
 void SceneCaster::send_on(const PaneHit& pane, const Vector3f& point, const Vector3f& direction,
-                          float path_m, float gain, int panes_passed,
-                          std::vector<Segment>& segments, float& own_strength) const {
+                          float path_m, float gain, int panes_passed, Light& light,
+                          float& own_strength) const {
   const float along = pane.normal.dot(direction);
   const PaneOptics optics = pane_optics(pane.refractive_index, std::abs(along));
   own_strength += optics.glint;
-  // There and back: each share counts twice.
-  const Segment through{.ray = pane.ray,
+  const auto send = [&](std::vector<Segment>& segments, const Vector3f& onward, float share,
+                        int passed) {
+    // There and back: the share counts twice.
+    const float left = gain * share * share;
+    const float reach_m =
+        least_power_ > 0.0F ? std::min(range_m_, std::sqrt(left / least_power_)) : range_m_;
+    if (reach_m <= path_m + kBehindPane_m) return;
+    segments.push_back({.ray = pane.ray,
                         .lane = pane.lane,
                         .origin = point,
-                        .direction = direction,
+                        .direction = onward,
                         .path_m = path_m,
-                        .gain = gain * optics.transmitted * optics.transmitted,
-                        .panes_passed = panes_passed + 1};
-  segments.push_back(through);
+                        .gain = left,
+                        .reach_m = reach_m,
+                        .panes_passed = passed});
+  };
+  send(light.through, direction, optics.transmitted, panes_passed + 1);
   // The mirror of a mirror is too faint to matter.
   if (panes_passed > 0) return;
-  Segment back = through;
-  back.direction = (direction - 2.0F * along * pane.normal).normalized();
-  back.gain = gain * optics.mirrored * optics.mirrored;
-  back.panes_passed = kMostPanes;
-  segments.push_back(back);
+  send(light.mirrored, (direction - 2.0F * along * pane.normal).normalized(), optics.mirrored,
+       kMostPanes);
 }
 
 std::vector<SceneCaster::ActorPlace> SceneCaster::places_of(
@@ -283,10 +312,9 @@ void SceneCaster::meet(const FiringBlock& block, std::span<const ActorPlace> act
   for (std::size_t k = 0; k < segments.size(); ++k) {
     valid[k] = -1;
     set_ray(packet, static_cast<int>(k), segments[k].origin, segments[k].direction, kBehindPane_m,
-            std::max(range_m_ - segments[k].path_m, kBehindPane_m));
+            segments[k].reach_m - segments[k].path_m);
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  RTCIntersectContext context = coherent_context();
   rtcIntersect16(valid.data(), scene_.standing_scene(), &context, &packet);
   for (std::size_t k = 0; k < segments.size(); ++k) {
     const auto lane = static_cast<int>(k);
@@ -306,7 +334,7 @@ void SceneCaster::meet_actors(const FiringBlock& block, std::span<const ActorPla
                               const Segment& segment, Met& met) const {
   const Stamp time = block.times[static_cast<std::size_t>(segment.lane)];
   for (const ActorPlace& place : actors) {
-    const float limit_m = std::min(met.range_m, std::max(range_m_ - segment.path_m, kBehindPane_m));
+    const float limit_m = std::min(met.range_m, segment.reach_m - segment.path_m);
     const Vector3f to_center = place.center - segment.origin;
     const float along_m = std::clamp(to_center.dot(segment.direction), 0.0F, limit_m);
     if ((to_center - along_m * segment.direction).norm() > place.radius_m) continue;

@@ -36,18 +36,44 @@ struct SurfaceEchoes {
 
 /// What a ray met beyond a pane or in its mirror.
 struct FurtherEcho {
-  std::uint32_t ray = 0;
-  int lane = 0;
   /// Along the path of the light.
   float range_m = 0.0F;
   float strength = 0.0F;
+  /// The same ray's next one, as an index; −1 for none.
+  std::int32_t next = -1;
 };
 
-struct SceneEchoes {
+class SceneEchoes {
+ public:
   /// A packet for each ray of a firing cycle.
   std::vector<SurfaceEchoes> surfaces;
-  /// By ray, then lane.
-  std::vector<FurtherEcho> further;
+
+  /// Forgets what was met, for so many packets.
+  void reset(std::size_t packets);
+  void add_further(std::uint32_t packet, int lane, float range_m, float strength);
+  /// Calls `take(range_m, strength)` for each of a ray's further echoes.
+  template <typename Take>
+  void for_further(std::size_t packet, int lane, Take&& take) const {
+    for (std::int32_t i = first_of(packet, lane); i >= 0;) {
+      const FurtherEcho& echo = further_[static_cast<std::size_t>(i)];
+      take(echo.range_m, echo.strength);
+      i = echo.next;
+    }
+  }
+  [[nodiscard]] bool has_further(std::size_t packet, int lane) const {
+    return first_of(packet, lane) >= 0;
+  }
+  [[nodiscard]] bool has_further() const { return !further_.empty(); }
+  /// Weakens everything that the rays of a packet met.
+  void weaken(std::size_t packet, const Lanes& gain);
+
+ private:
+  [[nodiscard]] std::int32_t first_of(std::size_t packet, int lane) const {
+    return first_[packet * kLanes + static_cast<std::size_t>(lane)];
+  }
+
+  std::vector<FurtherEcho> further_;
+  std::vector<std::int32_t> first_;
 };
 
 /// Casts the rays of firing blocks at a scene: what stands still in the map frame, each actor in
@@ -61,9 +87,16 @@ class SceneCaster {
     double elevation_rad = 0.0;
   };
 
+  /// Nothing is looked for beyond `range_m`, nor, on the way on from a pane, where a white diffuse
+  /// target would send back less than `least_power` (see return_model.h).
   SceneCaster(const RayScene& scene, std::span<const BeamRay> rays, std::span<const Optics> optics,
-              const Spread& spread, float range_m)
-      : scene_(scene), rays_(rays), optics_(optics), spread_(spread), range_m_(range_m) {}
+              const Spread& spread, float range_m, float least_power)
+      : scene_(scene),
+        rays_(rays),
+        optics_(optics),
+        spread_(spread),
+        range_m_(range_m),
+        least_power_(least_power) {}
 
   /// Writes what the block's rays meet to `echoes`. `near_actors`: none but these may be met.
   void cast(const FiringBlock& block, std::span<const std::uint32_t> near_actors,
@@ -87,7 +120,14 @@ class SceneCaster {
     /// Of the way before `origin`, and the share of the power that comes back along it.
     float path_m;
     float gain;
+    /// As far as it is worth following.
+    float reach_m;
     int panes_passed;
+  };
+  /// Kept apart, so that what is cast together stays together.
+  struct Light {
+    std::vector<Segment> through;
+    std::vector<Segment> mirrored;
   };
   /// Where an actor is during a block.
   struct ActorPlace {
@@ -110,8 +150,9 @@ class SceneCaster {
               std::span<const std::uint32_t> near_actors, const std::vector<PaneHit>& panes,
               SceneEchoes& echoes) const;
   void send_on(const PaneHit& pane, const Vector3f& point, const Vector3f& direction, float path_m,
-               float gain, int panes_passed, std::vector<Segment>& segments,
-               float& own_strength) const;
+               float gain, int panes_passed, Light& light, float& own_strength) const;
+  void follow_all(const FiringBlock& block, std::span<const ActorPlace> actors,
+                  std::span<const Segment> segments, Light& onward, SceneEchoes& echoes) const;
   [[nodiscard]] std::vector<ActorPlace> places_of(const FiringBlock& block,
                                                   std::span<const std::uint32_t> near_actors) const;
   void meet(const FiringBlock& block, std::span<const ActorPlace> actors,
@@ -124,6 +165,7 @@ class SceneCaster {
   std::span<const Optics> optics_;
   Spread spread_;
   float range_m_;
+  float least_power_;
 };
 
 }  // namespace locsim::sim
