@@ -16,7 +16,8 @@ namespace {
 
 constexpr Duration kStep{10'000'000};
 
-/// The car on its lane from `from_m`, at the time when the route's driver would be there.
+}  // namespace
+
 sim::Trajectory drive_along(const sim::Route& route, double from_m, double speed_m_s,
                             Duration time) {
   const Stamp start = stamp_from_seconds(route.at(from_m).time_s);
@@ -28,8 +29,6 @@ sim::Trajectory drive_along(const sim::Route& route, double from_m, double speed
   }
   return trajectory;
 }
-
-}  // namespace
 
 std::vector<LaserScan> scan_street(const std::filesystem::path& scenario_file,
                                    const StreetDrive& drive) {

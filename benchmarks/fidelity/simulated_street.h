@@ -4,6 +4,9 @@
 #include <vector>
 
 #include "benchmarks/fidelity/laser_scan.h"
+#include "core/time.h"
+#include "sim/trajectory.h"
+#include "sim/world/route.h"
 
 namespace locsim::fidelity {
 
@@ -15,6 +18,11 @@ struct StreetDrive {
   /// As in KITTI's drive: 7.2 m in 2.3 s.
   double speed_m_s = 3.2;
 };
+
+/// The car on its lane from `from_m`, at an even speed and at the time when the route's driver
+/// would be there.
+[[nodiscard]] sim::Trajectory drive_along(const sim::Route& route, double from_m, double speed_m_s,
+                                          Duration time);
 
 /// Scans of the scenario's first LIDAR from a car that drives evenly along the route's lane, its
 /// traffic around it, as KITTI's files would hold them; every laser found anew. Throws InputError
