@@ -126,7 +126,7 @@ render::Image scan_image(const RunFiles& run, const Scenario& scenario, const St
   sim::Lidar lidar(setup.spec, T_vehicle_lidar, 0, scenario.seed);
   const Stamp end = scan_end(truth, setup.spec.period(), options.scan_at_s);
 
-  const std::vector<sim::Actor> actors = scenarios::build_traffic(scenario, stage);
+  const std::vector<sim::Actor> actors = stage.actors;
   const sim::RayScene scene(stage.world, actors);
   LidarScan scan = lidar.start_scan(end - setup.spec.period());
   lidar.cast(scene, truth, scan.start, scan.end, scan);

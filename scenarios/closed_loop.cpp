@@ -7,14 +7,14 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
-#include <iterator>
 #include <memory>
 #include <span>
 #include <utility>
 #include <variant>
 
-#include "localization/propagate.h"
 #include "localization/registry.h"
+#include "scenarios/driver_estimate.h"
+#include "scenarios/imu_delivery.h"
 #include "sim/faults/faults.h"
 #include "sim/gnss/gnss.h"
 #include "sim/imu/imu.h"
@@ -31,7 +31,6 @@ namespace locsim::scenarios {
 namespace {
 
 using localization::Estimate;
-using localization::State;
 
 /// Nothing farther than this blocks a satellite.
 constexpr double kSkyReach_m = 300.0;
@@ -108,38 +107,6 @@ localization::Rig make_rig(const SensorSuite& sensors) {
   return rig;
 }
 
-/// What the driver is told between scans: the newest estimate that has reached it, carried on by
-/// the IMU.
-class DriverEstimate {
- public:
-  explicit DriverEstimate(localization::Rig rig) : rig_(std::move(rig)) {}
-
-  void add(const ImuSample& sample) {
-    recent_.push_back(sample);
-    if (belief_) belief_ = propagate(*belief_, {&sample, 1}, rig_);
-  }
-
-  void deliver(const std::optional<Estimate>& estimate) {
-    if (!estimate) return;
-    std::erase_if(recent_, [&](const ImuSample& s) { return s.time <= estimate->time; });
-    belief_ = propagate(*estimate, recent_, rig_);
-  }
-
-  [[nodiscard]] std::optional<sim::DriverView> view() const {
-    if (!belief_ || belief_->state == State::initializing) return std::nullopt;
-    const Vector3d velocity_vehicle =
-        belief_->T_map_vehicle.rotation.conjugate() * belief_->velocity_m_s;
-    return sim::DriverView{.T_map_vehicle = belief_->T_map_vehicle,
-                           .speed_m_s = velocity_vehicle.x(),
-                           .yaw_rate_rad_s = belief_->angular_rate_rad_s.z()};
-  }
-
- private:
-  localization::Rig rig_;
-  std::optional<Estimate> belief_;
-  std::vector<ImuSample> recent_;
-};
-
 sim::DriverView truth_view(const sim::TruthState& truth) {
   const Vector3d velocity_vehicle = truth.T_map_vehicle.rotation.conjugate() * truth.velocity_m_s;
   return {.T_map_vehicle = truth.T_map_vehicle,
@@ -184,8 +151,7 @@ class ClosedLoop {
   sim::Faults faults_;
   sim::LidarRig lidars_;
   sim::Imu imu_;
-  /// On their way for longer than usual.
-  std::deque<Message> late_imu_;
+  ImuDelivery imu_delivery_;
   sim::Gnss gnss_;
   Vector3d earth_field_map_T_;
   sim::SteelField steel_field_;
@@ -211,7 +177,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Stage& stage,
       expected_end_s_(scenario.duration_s > 0.0 ? scenario.duration_s : stage.route.duration_s()),
       end_s_(time_limit_s(scenario, stage)),
       frame_(stage.world.origin),
-      actors_(build_traffic(scenario, stage)),
+      actors_(stage.actors),
       actor_poses_(actors_.size()),
       scene_(stage.world, actors_),
       vehicle_(scenario.vehicle.spec, stage.world, stage.route.pose(0.0), actors_),
@@ -221,6 +187,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Stage& stage,
       lidars_(mounted_lidars(scenario.sensors), scenario.seed, sim::Weather(scenario.weather),
               faults_, Stamp{}),
       imu_(scenario.sensors.imu.spec, scenario.sensors.imu.mount.pose(), scenario.seed, faults_),
+      imu_delivery_(faults_),
       gnss_(scenario.sensors.gnss.spec, scenario.sensors.gnss.mount.pose().translation,
             scenario.seed),
       earth_field_map_T_(sim::earth_field_enu_T(stage.world.origin,
@@ -282,19 +249,10 @@ void ClosedLoop::deliver(std::span<const M> messages) {
 
 void ClosedLoop::deliver_imu(std::span<const ImuSample> samples) {
   record_.imu.insert(record_.imu.end(), samples.begin(), samples.end());
-  for (const ImuSample& sample : samples) {
-    const sim::ImuLate* late = faults_.active<sim::ImuLate>(sample.time);
-    late_imu_.push_back({sample.time + (late == nullptr ? Duration{0} : late->delay()), sample});
+  for (const DeliveredImu& arrived : imu_delivery_.deliver(samples, now_)) {
+    driver_estimate_.add(arrived.sample);
+    inbox_.push_back({arrived.at, arrived.sample});
   }
-  std::vector<Message> arrived;
-  const auto is_there = [&](const Message& message) { return message.delivered <= now_; };
-  std::ranges::copy_if(late_imu_, std::back_inserter(arrived), is_there);
-  std::erase_if(late_imu_, is_there);
-  std::ranges::stable_sort(arrived, {}, &Message::delivered);
-  for (const Message& message : arrived) {
-    driver_estimate_.add(std::get<ImuSample>(message.content));
-  }
-  inbox_.insert(inbox_.end(), arrived.begin(), arrived.end());
 }
 
 void ClosedLoop::cast_lidars() {

@@ -36,7 +36,7 @@ struct RunRecord {
   std::vector<GnssFix> fixes;
   /// Delivered scans' end times: what relocalization counts from.
   std::vector<Stamp> scan_times;
-  /// As the localizer heard them, in the order of their stamps.
+  /// All that were taken, in the order of their stamps.
   std::vector<ImuSample> imu;
   int collisions = 0;
   bool route_finished = false;

@@ -86,7 +86,9 @@ void ScenarioDescription::describe(Scenario& scenario) {
   check_imu_rate(scenario);
   check_lidar_rates(scenario);
   p_.list("faults", scenario.faults);
+  check_fault_sensors(scenario);
   p_.list("weather", scenario.weather);
+  check_weather_times(scenario);
   group("map", scenario.map);
   group("localizer", scenario.localizer);
   describe_expectations(scenario.expect);
@@ -231,6 +233,36 @@ void ScenarioDescription::check_lidar_rates(const Scenario& scenario) {
   static_cast<void>(p_.begin_list("lidar", lidars.size()));
   p_.begin_item(where);
   p_.fail("rate_hz", problem);
+}
+
+void ScenarioDescription::check_fault_sensors(const Scenario& scenario) {
+  if (reader_ == nullptr) return;
+  const auto lidars = static_cast<int>(scenario.sensors.lidar.size());
+  for (std::size_t i = 0; i < scenario.faults.size(); ++i) {
+    const int sensor = std::visit(
+        [](const auto& fault) {
+          if constexpr (requires { fault.sensor; }) return fault.sensor;
+          return -1;
+        },
+        scenario.faults[i].kind);
+    if (sensor < lidars) continue;
+    static_cast<void>(p_.begin_list("faults", scenario.faults.size()));
+    p_.begin_item(i);
+    p_.fail("sensor", "is " + std::to_string(sensor) + ", needs the place of a LIDAR, 0 to " +
+                          std::to_string(lidars - 1) + ", or -1 for all");
+  }
+}
+
+void ScenarioDescription::check_weather_times(const Scenario& scenario) {
+  if (reader_ == nullptr) return;
+  for (std::size_t i = 1; i < scenario.weather.size(); ++i) {
+    const double before_s = scenario.weather[i - 1].at_s;
+    if (scenario.weather[i].at_s > before_s) continue;
+    static_cast<void>(p_.begin_list("weather", scenario.weather.size()));
+    p_.begin_item(i);
+    p_.fail("at_s", "is " + shortest_text(scenario.weather[i].at_s) + ", needs a time after the " +
+                        shortest_text(before_s) + " before it");
+  }
 }
 
 void ScenarioDescription::describe(MapSetup& map) {

@@ -33,6 +33,8 @@ class ScenarioDescription {
   void describe_preset(std::string_view sensor, std::string& preset);
   void describe_mount(Mount& mount, MountKeys keys);
   void check_imu_rate(const Scenario& scenario);
+  void check_fault_sensors(const Scenario& scenario);
+  void check_weather_times(const Scenario& scenario);
   void check_lidar_rates(const Scenario& scenario);
 
   void unsigned_integer(std::string_view key, std::uint64_t& value);

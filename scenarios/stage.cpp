@@ -42,6 +42,12 @@ void check_same_origin(const maps::PriorMap& map, const GeodeticPoint& origin,
                    "; take a map of this world or set world.origin to the map's");
 }
 
+std::vector<sim::Actor> build_traffic(const Scenario& scenario, const Stage& stage) {
+  if (stage.world.actor_shapes.empty()) return {};
+  return sim::make_traffic(scenario.traffic, stage.route, stage.streets, stage.world, scenario.seed,
+                           Stamp{}, stamp_from_seconds(time_limit_s(scenario, stage)));
+}
+
 }  // namespace
 
 Stage build_stage(const Scenario& scenario) {
@@ -66,6 +72,7 @@ Stage build_stage(const Scenario& scenario) {
   sim::Town town = sim::build_town(scenario.world.town, layout, scenario.world.seed, origin, days);
   stage.world = std::move(town.world);
   stage.survey_cars = std::move(town.survey_cars.mesh);
+  stage.actors = build_traffic(scenario, stage);
   return stage;
 }
 
@@ -86,12 +93,6 @@ std::shared_ptr<const maps::PriorMap> build_map(const Scenario& scenario, const 
 double time_limit_s(const Scenario& scenario, const Stage& stage) {
   if (scenario.duration_s > 0.0) return scenario.duration_s;
   return kScheduleAllowance * stage.route.duration_s() + kStartAllowance_s;
-}
-
-std::vector<sim::Actor> build_traffic(const Scenario& scenario, const Stage& stage) {
-  if (stage.world.actor_shapes.empty()) return {};
-  return sim::make_traffic(scenario.traffic, stage.route, stage.streets, stage.world, scenario.seed,
-                           Stamp{}, stamp_from_seconds(time_limit_s(scenario, stage)));
 }
 
 }  // namespace locsim::scenarios

@@ -21,6 +21,8 @@ struct Stage {
   TriangleMesh survey_cars;
   sim::Route route;
   std::vector<sim::Street> streets;
+  /// What moves through the whole run; none in a mesh, which has no shapes for it.
+  std::vector<sim::Actor> actors;
   /// The log behind a recorded route.
   std::optional<sim::RecordedTrack> track;
 };
@@ -34,8 +36,5 @@ struct Stage {
 
 /// When a run ends at the latest [s]: the scenario's duration, or the route's with an allowance.
 [[nodiscard]] double time_limit_s(const Scenario& scenario, const Stage& stage);
-
-/// The moving actors of the whole run; none where the world has no shapes for them (a mesh).
-[[nodiscard]] std::vector<sim::Actor> build_traffic(const Scenario& scenario, const Stage& stage);
 
 }  // namespace locsim::scenarios

@@ -34,7 +34,7 @@ std::vector<LaserScan> scan_street(const std::filesystem::path& scenario_file,
                                    const StreetDrive& drive) {
   const scenarios::Scenario scenario = scenarios::load_scenario(scenario_file);
   const scenarios::Stage stage = scenarios::build_stage(scenario);
-  const sim::RayScene scene(stage.world, scenarios::build_traffic(scenario, stage));
+  const sim::RayScene scene(stage.world, stage.actors);
   const scenarios::LidarSetup& setup = scenario.sensors.lidar.front();
   sim::Lidar lidar(setup.spec, setup.mount.pose(), 0, scenario.seed);
   const Duration period = lidar.spec().period();

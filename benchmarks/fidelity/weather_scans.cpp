@@ -100,7 +100,7 @@ std::vector<WeatherScan> scan_weathers(std::span<const NamedWeather> weathers,
 std::vector<WeatherScan> scan_weathers(const std::filesystem::path& scenario_file) {
   const scenarios::Scenario scenario = scenarios::load_scenario(scenario_file);
   const scenarios::Stage stage = scenarios::build_stage(scenario);
-  const sim::RayScene scene(stage.world, scenarios::build_traffic(scenario, stage));
+  const sim::RayScene scene(stage.world, stage.actors);
   const scenarios::LidarSetup& setup = scenario.sensors.lidar.front();
   const double half_way_m = 0.5 * stage.route.length_m();
   const sim::Trajectory trajectory = drive_along(

@@ -23,7 +23,7 @@ bool LidarDirt::covers(double azimuth_rad) const {
     const double rest = std::fmod(angle - from_rad, kTurn);
     return rest < 0.0 ? rest + kTurn : rest;
   };
-  return turns_from(azimuth_rad) <= turns_from(to_rad);
+  return to_rad - from_rad >= kTurn || turns_from(azimuth_rad) <= turns_from(to_rad);
 }
 
 void LidarFrozen::describe(Parameters& p) {

@@ -31,6 +31,13 @@ std::int64_t whole_second(Stamp time) {
   return std::chrono::floor<std::chrono::seconds>(time.time_since_epoch()).count();
 }
 
+template <typename Kind>
+std::vector<Faults::Timed<Kind>> of_sensor(const Faults& faults, std::size_t sensor) {
+  std::vector<Faults::Timed<Kind>> all = faults.all<Kind>();
+  std::erase_if(all, [&](const auto& timed) { return !timed.fault.includes(sensor); });
+  return all;
+}
+
 // The echo of a beam whose power all comes back within one pulse, and how far apart it does.
 struct BeamEcho {
   Lanes range_m;
@@ -74,17 +81,21 @@ struct Lidar::Scratch {
   /// A packet a beam, the chosen return and, in dual mode, the second.
   std::array<std::vector<Returns>, 2> returns;
   std::vector<Echo> echoes;
+  /// What the window lets through there and back, a packet a beam; none where it is clean.
+  std::vector<Lanes> window_gains;
   /// Whether rays meet drops, for four beams.
   std::array<std::array<std::uint32_t, kLanes>, kDraws> drop_bits;
 };
 
 Lidar::Lidar(LidarSpec spec, const Pose& T_vehicle_lidar, std::uint16_t sensor, std::uint64_t seed,
-             Weather weather, Faults faults)
+             Weather weather, const Faults& faults)
     : spec_((check_parameters(spec, "lidar"), std::move(spec))),
       T_vehicle_lidar_(T_vehicle_lidar),
       sensor_(sensor),
       weather_(std::move(weather)),
-      faults_(std::move(faults)),
+      blackouts_(of_sensor<LidarBlackout>(faults, sensor)),
+      dirts_(of_sensor<LidarDirt>(faults, sensor)),
+      knocks_(of_sensor<LidarKnock>(faults, sensor)),
       receiver_(spec_),
       range_noise_(seed, "lidar/" + std::to_string(sensor) + "/range"),
       air_noise_(seed, "lidar/" + std::to_string(sensor) + "/air"),
@@ -122,18 +133,25 @@ Stamp Lidar::block_end(const LidarScan& scan, std::size_t block) const {
          spec_.cycle * static_cast<std::int64_t>(std::min((block + 1) * kLanes, spec_.cycles()));
 }
 
+Pose Lidar::T_vehicle_lidar_at(Stamp time) const {
+  Pose pose = T_vehicle_lidar_;
+  for (const auto& [interval, knock] : knocks_) {
+    if (interval.contains(time)) pose = pose * knock.offset();
+  }
+  return pose;
+}
+
 FiringBlock Lidar::firing_block(const Trajectory& trajectory, Stamp scan_start,
                                 std::size_t index) const {
   FiringBlock block;
   block.first_cycle = index * kLanes;
   block.cycles = std::min<std::size_t>(kLanes, spec_.cycles() - block.first_cycle);
+  // A knock comes between blocks.
+  const Pose T_vehicle_lidar =
+      T_vehicle_lidar_at(scan_start + spec_.cycle * static_cast<std::int64_t>(block.first_cycle));
   for (std::size_t i = 0; i <= block.cycles; ++i) {
     block.times[i] = scan_start + spec_.cycle * static_cast<std::int64_t>(block.first_cycle + i);
-    block.T_map_lidar[i] = trajectory.pose_at(block.times[i]) * T_vehicle_lidar_;
-    const LidarKnock* knock = faults_.active<LidarKnock>(block.times[i]);
-    if (knock != nullptr && knock->includes(sensor_)) {
-      block.T_map_lidar[i] = block.T_map_lidar[i] * knock->offset();
-    }
+    block.T_map_lidar[i] = trajectory.pose_at(block.times[i]) * T_vehicle_lidar;
     if (i == block.cycles) break;
     block.heads[i] =
         heads_.empty() ? head_turn_at(spec_, block.times[i]) : heads_[block.first_cycle + i];
@@ -177,7 +195,9 @@ void Lidar::cast(const RayScene& scene, const Trajectory& trajectory, Stamp from
     const Vector3d place = trajectory.pose_at(block_end(scan, block)).translation;
     way_m = std::max(way_m, (place - center).norm());
   }
-  const double reach_m = cast_range_m_ + way_m + T_vehicle_lidar_.translation.norm() + kSlack_m;
+  double arm_m = T_vehicle_lidar_.translation.norm();
+  for (const auto& [interval, knock] : knocks_) arm_m += knock.shift_m.norm();
+  const double reach_m = cast_range_m_ + way_m + arm_m + kSlack_m;
   const std::vector<std::uint32_t> near = scene.actors_near(center, reach_m, begin, end);
   prepare_air(begin, end);
 
@@ -213,8 +233,7 @@ std::size_t Lidar::cast_block(const SceneCaster& caster, const FiringBlock& bloc
 // Share of the light that passes the window there and back.
 Lanes Lidar::window_gain(const FiringBlock& block, std::size_t beam) const {
   Lanes gain = Lanes::Ones();
-  for (const auto& [interval, dirt] : faults_.all<LidarDirt>()) {
-    if (!dirt.includes(sensor_)) continue;
+  for (const auto& [interval, dirt] : dirts_) {
     for (std::size_t i = 0; i < block.cycles; ++i) {
       if (!interval.contains(block.times[i])) continue;
       const Vector3f direction = block.heads[i] * rays_[beam * sub_rays_].direction;
@@ -228,13 +247,15 @@ Lanes Lidar::window_gain(const FiringBlock& block, std::size_t beam) const {
 }
 
 void Lidar::receive(const FiringBlock& block, const AirEchoes* air, Scratch& scratch) const {
-  const auto is_dirty = [&](const auto& fault) {
-    return fault.fault.includes(sensor_) && fault.interval.begin < block.times[block.cycles] &&
-           fault.interval.end > block.times[0];
+  const auto is_on = [&](const Faults::Timed<LidarDirt>& dirt) {
+    return dirt.interval.begin < block.times[block.cycles] && dirt.interval.end > block.times[0];
   };
-  if (std::ranges::any_of(faults_.all<LidarDirt>(), is_dirty)) {
-    for (std::size_t r = 0; r < rays_.size(); ++r) {
-      scratch.scene.weaken(r, window_gain(block, r / sub_rays_));
+  if (std::ranges::any_of(dirts_, is_on)) {
+    for (std::size_t beam = 0; beam < spec_.beams.size(); ++beam) {
+      scratch.window_gains.push_back(window_gain(block, beam));
+      for (std::size_t s = 0; s < sub_rays_; ++s) {
+        scratch.scene.weaken(beam * sub_rays_ + s, scratch.window_gains.back());
+      }
     }
   }
   for (std::size_t beam = 0; beam < spec_.beams.size(); ++beam) {
@@ -272,6 +293,7 @@ void Lidar::receive_beam(const FiringBlock& block, std::size_t beam, const AirEc
       if (air->may_answer(bits)) {
         of_air = air_echo(*air, block.times[static_cast<std::size_t>(lane)], beam, bits,
                           whole.nearest_m(lane));
+        if (!scratch.window_gains.empty()) of_air.power *= scratch.window_gains[beam](lane);
       }
     }
     if (!has_further && !is_split && of_air.power == 0.0F) continue;
@@ -309,6 +331,8 @@ Echo Lidar::air_echo(const AirEchoes& air, Stamp fired, std::size_t beam, std::u
   std::array<std::uint32_t, 4> bits = air_noise_.bits(draw_index(fired), kOwnDraws + beam);
   bits[1] = drop_bits;
   const AirEchoes::Echo echo = air.strongest(target_range_m, bits);
+  // The receiver's gate opens at the least range.
+  if (echo.range_m < static_cast<float>(spec_.range_min_m)) return {};
   return {.range_m = echo.range_m, .power = echo.power};
 }
 
@@ -341,7 +365,9 @@ void Lidar::measure(const FiringBlock& block, std::size_t which, Scratch& scratc
       range_m += (variance_m2 + weak_m2 / power).sqrt() * normals[b % kDraws];
     }
     range_m += biases_m_[b];
-    // Ranges are positive: cutting off after adding a half rounds them.
+    // Ranges are positive: cutting off after adding a half rounds them. None lies far enough out
+    // to be beyond an int.
+    range_m = range_m.max(0.0F).min(2.0F * cast_range_m_);
     if (step_m > 0.0F) range_m = step_m * (range_m / step_m + 0.5F).cast<int>().cast<float>();
     returns[b].range_m = (is_seen && range_m >= static_cast<float>(spec_.range_min_m) &&
                           range_m <= static_cast<float>(spec_.range_max_m))
@@ -355,8 +381,11 @@ std::size_t Lidar::report(const FiringBlock& block, Stamp scan_start, const Scra
   const std::size_t lists = receiver_.is_dual() ? 2 : 1;
   LidarPoint* next = points;
   for (std::size_t i = 0; i < block.cycles; ++i) {
-    const LidarBlackout* blackout = faults_.active<LidarBlackout>(block.times[i]);
-    if (blackout != nullptr && blackout->includes(sensor_)) continue;
+    if (std::ranges::any_of(blackouts_, [&](const Faults::Timed<LidarBlackout>& blackout) {
+          return blackout.interval.contains(block.times[i]);
+        })) {
+      continue;
+    }
     const auto lane = static_cast<Eigen::Index>(i);
     const Duration since_start = block.times[i] - scan_start;
     for (std::size_t b = 0; b < spec_.beams.size(); ++b) {

@@ -33,7 +33,7 @@ class Lidar {
   /// `sensor` goes into the points and keys the noise together with `seed`; faults that name a
   /// sensor mean this number. Throws InputError for a specification outside its limits.
   Lidar(LidarSpec spec, const Pose& T_vehicle_lidar, std::uint16_t sensor, std::uint64_t seed,
-        Weather weather = {}, Faults faults = {});
+        Weather weather = {}, const Faults& faults = {});
 
   [[nodiscard]] const LidarSpec& spec() const { return spec_; }
   [[nodiscard]] std::size_t rays_per_scan() const { return spec_.beams.size() * spec_.cycles(); }
@@ -62,6 +62,7 @@ class Lidar {
   struct Scratch;
 
   [[nodiscard]] Stamp block_end(const LidarScan& scan, std::size_t block) const;
+  [[nodiscard]] Pose T_vehicle_lidar_at(Stamp time) const;
   [[nodiscard]] FiringBlock firing_block(const Trajectory& trajectory, Stamp scan_start,
                                          std::size_t index) const;
   void prepare_air(Stamp from, Stamp to);
@@ -85,7 +86,10 @@ class Lidar {
   Pose T_vehicle_lidar_;
   std::uint16_t sensor_;
   Weather weather_;
-  Faults faults_;
+  /// Of this sensor.
+  std::vector<Faults::Timed<LidarBlackout>> blackouts_;
+  std::vector<Faults::Timed<LidarDirt>> dirts_;
+  std::vector<Faults::Timed<LidarKnock>> knocks_;
   Receiver receiver_;
   RandomStream range_noise_;
   RandomStream air_noise_;

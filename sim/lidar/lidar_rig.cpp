@@ -28,13 +28,14 @@ LidarRig::LidarRig(std::span<const MountedLidar> lidars, std::uint64_t seed, con
 }
 
 void LidarRig::cast(const RayScene& scene, const Trajectory& trajectory, Stamp to) {
+  to = std::min(to, units_.front().scan.end);
   if (to <= cast_to_) return;
   for (Unit& unit : units_) unit.lidar.cast(scene, trajectory, cast_to_, to, unit.scan);
   cast_to_ = to;
 }
 
 LidarScan LidarRig::finish() {
-  assert(cast_to_ >= units_.front().scan.end);
+  assert(cast_to_ == units_.front().scan.end);
   std::vector<LidarScan> scans;
   scans.reserve(units_.size());
   for (std::size_t i = 0; i < units_.size(); ++i) scans.push_back(delivered(units_[i], i));
@@ -45,15 +46,14 @@ LidarScan LidarRig::delivered(Unit& unit, std::size_t index) {
   const Stamp end = unit.scan.end;
   LidarScan scan = std::exchange(unit.scan, unit.lidar.start_scan(end));
   std::optional<LidarFrozen> frozen;
+  bool freezes_later = false;
   for (const auto& [interval, fault] : faults_.all<LidarFrozen>()) {
     if (!fault.includes(index)) continue;
-    if (interval.contains(end)) {
-      frozen = fault;
-      break;
-    }
-    // Kept only while a fault may still ask for it.
-    if (interval.begin > end) unit.last_good = scan;
+    if (!frozen && interval.contains(end)) frozen = fault;
+    freezes_later = freezes_later || interval.begin > end;
   }
+  // Kept only while a fault may still ask for it.
+  if (!frozen && freezes_later) unit.last_good = scan;
   if (frozen) {
     const LidarScan now = std::exchange(scan, unit.last_good);
     if (frozen->new_stamps || scan.points.empty()) {
@@ -74,6 +74,8 @@ LidarScan LidarRig::delivered(Unit& unit, std::size_t index) {
 
 LidarScan merge_scans(std::vector<LidarScan> scans) {
   assert(!scans.empty());
+  const Stamp newest = std::ranges::max(scans, {}, &LidarScan::end).start;
+  std::erase_if(scans, [&](const LidarScan& scan) { return scan.end <= newest; });
   LidarScan merged{.start = scans.front().start, .end = scans.front().end, .points = {}};
   for (const LidarScan& scan : scans) {
     merged.start = std::min(merged.start, scan.start);

@@ -56,7 +56,8 @@ class LidarRig {
 };
 
 /// One scan of several, from the first start to the last end, points in order of time; points of
-/// one instant in the order of the scans.
+/// one instant in the order of the scans. Scans that ended before the newest one began are left
+/// out, as a driver that joins by stamps does.
 [[nodiscard]] LidarScan merge_scans(std::vector<LidarScan> scans);
 
 }  // namespace locsim::sim

@@ -17,7 +17,7 @@ namespace locsim::sim {
 ///
 /// Vehicles roll on the road's surface at the route's heights and slopes; the opposite lane's
 /// middle lies 3.5 m to the left of the route. Before it appears and after it has gone a car waits
-/// deep below the ground; oncoming cars do so only out of the car's sight (60 m from its scheduled
+/// deep below the ground; oncoming cars do so only beyond 100 m from the car's scheduled
 /// place). Pedestrians (0.8 to 1.8 m/s) and cyclists (3 to 6 m/s) go to and fro on the pavements of
 /// those `streets` that carry the route, around what stands there; where a way ends, pedestrians
 /// turn round, and cyclists stand until the car is 60 m away. Kept apart: no two actors overlap,

@@ -77,6 +77,33 @@ TEST(ClosedLoop, TheSameSeedGivesTheSameHashWithOneAndTwoThreads) {
   EXPECT_EQ(short_drive({}, 2).hash(), one);
 }
 
+TEST(ClosedLoop, TheSameHashWithEveryEffectOnAndEverySensorAtFault) {
+  const std::vector<std::string> everything = {
+      "duration_s=12",
+      "sensors.lidar=[{preset: hdl32e, mount: roof, sub_rays: 5, returns: dual}, {preset: mid360, "
+      "mount: {x_m: 2, z_m: 1.2, pitch_deg: 20}}]",
+      "weather=[{rain_mm_h: 20}, {at_s: 8, snow_mm_h: 2, fog_visibility_m: 150}]",
+      "faults=[{at_s: 3, for_s: 2, kind: lidar_dirt}, {at_s: 4, for_s: 6, kind: lidar_knock, "
+      "sensor: 0, yaw_deg: 0.5}, {at_s: 5, for_s: 1, kind: lidar_frozen, sensor: 1}, {at_s: 6, "
+      "for_s: 2, kind: lidar_stamps, jitter_s: 0.002}, {at_s: 8, for_s: 0.5, kind: "
+      "lidar_blackout}, {at_s: 3, for_s: 4, kind: imu_late, delay_s: 0.03}, {at_s: 7, for_s: 2, "
+      "kind: imu_dropout, share: 0.3}, {at_s: 9, for_s: 1, kind: imu_bias_jump, gyro_deg_s: [0, 0, "
+      "1]}]"};
+  const RunResult one = short_drive(everything, 1);
+  EXPECT_EQ(short_drive(everything, 2).hash(), one.hash());
+  EXPECT_GT(value(one, "distance_m"), 20.0);
+}
+
+TEST(ClosedLoop, RigsAndStreetsOfTheLibraryDrive) {
+  for (const char* scenario : {"urbannav_rig.yaml", "kitti_street.yaml"}) {
+    const RunResult result = drive(scenario, {"route.length_m=200", "duration_s=8"});
+    // Slanted LIDARs taken for level ones would throw the scan metres off.
+    EXPECT_LT(value(result, "ate_rmse_m"), 0.1) << scenario;
+    EXPECT_EQ(value(result, "false_fix_s"), 0.0) << scenario;
+    EXPECT_GT(value(result, "distance_m"), 20.0) << scenario;
+  }
+}
+
 TEST(ClosedLoop, AnotherSeedGivesAnotherHash) {
   const RunResult result = short_drive({}, 2);
   EXPECT_NE(short_drive({"seed=2"}, 2).hash(), result.hash());

@@ -215,6 +215,11 @@ TEST_F(ScenarioTest, MistakesNamePlaceKeyAndRemedy) {
   EXPECT_THAT(error_of("sensors: {imu: {preset: my/imu.yaml}}\n"),
               HasSubstr("drive.yaml:1: sensors.imu.preset is 'my/imu.yaml', but there is no " +
                         (folder_ / "my/imu.yaml").string()));
+  EXPECT_EQ(error_of("faults:\n  - {kind: gnss_outage}\n  - {kind: lidar_dirt, sensor: 1}\n"),
+            "drive.yaml:3: faults[1].sensor is 1, needs the place of a LIDAR, 0 to 0, or -1 for "
+            "all");
+  EXPECT_EQ(error_of("weather:\n  - {at_s: 5}\n  - {at_s: 2}\n"),
+            "drive.yaml:3: weather[1].at_s is 2, needs a time after the 5 before it");
   EXPECT_EQ(error_of("sensors: {lidar: []}\n"),
             "drive.yaml:1: sensors.lidar is empty, needs at least one LIDAR");
   EXPECT_EQ(error_of("sensors:\n  lidar: [{mount: rof}]\n"),

@@ -95,7 +95,7 @@ TEST(LidarRig, SameBytesWithOneAndTwoThreadsWithEveryEffectOn) {
       {{.at_s = 0.05, .for_s = 0.1, .kind = LidarDirt{}},
        {.at_s = 0.15, .for_s = 0.02, .kind = LidarBlackout{}},
        {.at_s = 0.1, .for_s = 1.0, .kind = LidarStamps{{}, 0.002, 0.001}},
-       {.at_s = 0.2, .for_s = 1.0, .kind = LidarKnock{{1}, {}, {0.01, 0.0, 0.02}}}});
+       {.at_s = 0.2, .for_s = 1.0, .kind = LidarKnock{{1}, Vector3d::Zero(), {0.01, 0.0, 0.02}}}});
   const Weather weather({{.rain_mm_h = 20.0, .fog_visibility_m = 200.0},
                          {.at_s = 0.4, .snow_mm_h = 3.0, .dust_visibility_m = 500.0}});
   std::vector<std::vector<LidarScan>> runs;
@@ -240,6 +240,70 @@ TEST(LidarRig, AKnockTurnsWhatIsSeenAndNotWhatIsSaid) {
   const auto told = scans_of({{hdl32e_spec(), kRoof * bent}}, {}, {}, 2);
   EXPECT_TRUE(same_points(knocked[1], told[1]));
   EXPECT_FALSE(same_points(knocked[0], told[0]));
+}
+
+TEST(LidarRig, FaultsOfSeveralLidarsActAtOnceInAnyOrder) {
+  const std::vector<MountedLidar> lidars = {{hdl32e_spec(), kRoof}, {hdl32e_spec(), kRoof}};
+  for (const int first : {0, 1}) {
+    const Faults dark({{.at_s = 0.0, .for_s = 1.0, .kind = LidarBlackout{{first}}},
+                       {.at_s = 0.0, .for_s = 1.0, .kind = LidarBlackout{{1 - first}}}});
+    EXPECT_TRUE(scans_of(lidars, dark, {}, 1)[0].points.empty());
+    const Vector3d turn(0.0, 0.0, 0.05);
+    const Faults bent(
+        {{.at_s = 0.0, .for_s = 1.0, .kind = LidarKnock{{first}, Vector3d::Zero(), turn}},
+         {.at_s = 0.0, .for_s = 1.0, .kind = LidarKnock{{1 - first}, Vector3d::Zero(), turn}}});
+    const Faults both(
+        {{.at_s = 0.0, .for_s = 1.0, .kind = LidarKnock{{}, Vector3d::Zero(), turn}}});
+    EXPECT_TRUE(same_points(scans_of(lidars, bent, {}, 1)[0], scans_of(lidars, both, {}, 1)[0]));
+  }
+}
+
+TEST(LidarRig, KnocksOfOneLidarAddUp) {
+  const Faults twice(
+      {{.at_s = 0.0, .for_s = 1.0, .kind = LidarKnock{{}, Vector3d::Zero(), {0.0, 0.0, 0.02}}},
+       {.at_s = 0.0, .for_s = 1.0, .kind = LidarKnock{{}, Vector3d::Zero(), {0.0, 0.0, 0.03}}}});
+  const Pose bent{.rotation = rotation_from_rpy(0.0, 0.0, 0.05)};
+  const auto knocked = scans_of({{noiseless(hdl32e_spec()), kRoof}}, twice, {}, 1)[0];
+  const auto told = scans_of({{noiseless(hdl32e_spec()), kRoof * bent}}, {}, {}, 1)[0];
+  ASSERT_NEAR(static_cast<double>(knocked.points.size()), static_cast<double>(told.points.size()),
+              20.0);  // rays that graze an edge
+  std::map<std::pair<std::uint32_t, std::uint16_t>, Vector3d> places;
+  for (const LidarPoint& p : told.points) places[{p.time_ns, p.ring}] = p.position();
+  std::size_t same = 0;
+  for (const LidarPoint& p : knocked.points) {
+    same += (places[{p.time_ns, p.ring}] - p.position()).norm() < 1e-3 ? 1U : 0U;
+  }
+  EXPECT_GT(same, knocked.points.size() * 99 / 100);
+}
+
+TEST(LidarRig, AFreezeKeepsItsScanWhateverOthersAreToCome) {
+  const std::vector<MountedLidar> lidars = {{hdl32e_spec(), kRoof}};
+  const FaultSpec now{.at_s = 0.25, .for_s = 0.2, .kind = LidarFrozen{}};
+  const FaultSpec later{.at_s = 7.0, .for_s = 1.0, .kind = LidarFrozen{}};
+  const auto whole = scans_of(lidars, {});
+  for (const Faults& faults : {Faults({now, later}), Faults({later, now})}) {
+    const auto scans = scans_of(lidars, faults);
+    EXPECT_TRUE(same_points(scans[2], whole[1]));
+    EXPECT_TRUE(same_points(scans[3], whole[1]));
+  }
+}
+
+TEST(LidarRig, AScanLongPastIsNotJoinedToNewOnes) {
+  const Faults faults({{.at_s = 0.15, .for_s = 10.0, .kind = LidarFrozen{{1}, false}}});
+  const std::vector<MountedLidar> lidars = {{hdl32e_spec(), kRoof}, {hdl32e_spec(), kRoof}};
+  const auto scans = scans_of(lidars, faults);
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    EXPECT_EQ(scans[i].end - scans[i].start, kScan);
+    EXPECT_TRUE(
+        std::ranges::all_of(scans[i].points, [](const LidarPoint& p) { return p.sensor == 0; }));
+  }
+}
+
+TEST(LidarRig, AWholeDirtyWindowInFogSeesNothingAtAll) {
+  const Faults faults(
+      {{.at_s = 0.0, .for_s = 1.0, .kind = LidarDirt{{}, -180.0 * kDegree, 180.0 * kDegree, 0.0}}});
+  const Weather fog(std::vector<WeatherSpec>{{.snow_mm_h = 5.0, .fog_visibility_m = 50.0}});
+  EXPECT_TRUE(scans_of({{hdl32e_spec(), kRoof}}, faults, fog, 1)[0].points.empty());
 }
 
 }  // namespace
