@@ -102,8 +102,9 @@ render::TrajectoryPicture trajectory_picture(const RunFiles& run, const Scenario
     if (row.valid) picture.gnss.push_back(row.position_m);
   }
   for (const sim::FaultSpec& fault : scenario.faults) {
-    picture.events.push_back(
-        {.from_s = fault.at_s, .to_s = fault.at_s + fault.for_s, .label = std::string(fault.name())});
+    picture.events.push_back({.from_s = fault.at_s,
+                              .to_s = fault.at_s + fault.for_s,
+                              .label = std::string(fault.name())});
   }
   if (!run.truth.empty()) picture.duration_s = to_seconds(run.truth.back().time);
   return picture;
@@ -123,7 +124,8 @@ render::Image scan_image(const RunFiles& run, const Scenario& scenario, const St
   const sim::Trajectory truth = truth_curve(run);
   const scenarios::LidarSetup& setup = scenario.sensors.lidar.front();
   const Pose T_vehicle_lidar = setup.mount.pose();
-  sim::Lidar lidar(setup.spec, T_vehicle_lidar, 0, scenario.seed);
+  sim::Lidar lidar(setup.spec, T_vehicle_lidar, 0, scenario.seed, sim::Weather(scenario.weather),
+                   sim::Faults(scenario.faults));
   const Stamp end = scan_end(truth, setup.spec.period(), options.scan_at_s);
 
   const std::vector<sim::Actor> actors = stage.actors;

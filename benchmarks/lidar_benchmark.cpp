@@ -77,8 +77,14 @@ const Setup& refined_setup(int parts) {
   static std::map<int, std::unique_ptr<Setup>> setups;
   std::unique_ptr<Setup>& setup = setups[parts];
   if (!setup) {
-    const Layout layout = make_town_layout({.length_m = 150.0}, 7);
-    World world = build_town({}, layout, 7, {});
+    const Layout layout = make_town_layout({.length_m = 200.0}, 7);
+    // Houses and their windows on bare ground: few triangles to begin with.
+    World world = build_town({.tree_spacing_m = 10'000.0,
+                              .lamp_spacing_m = 10'000.0,
+                              .sign_spacing_m = 10'000.0,
+                              .furniture_spacing_m = 10'000.0,
+                              .parked_share = 0.0},
+                             layout, 7, {});
     for (TriangleMesh* mesh :
          {&world.ground, &world.structures, &world.parked_cars, &world.interiors}) {
       *mesh = refined(*mesh, parts);

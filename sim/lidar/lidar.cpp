@@ -219,7 +219,9 @@ void Lidar::cast(const RayScene& scene, const Trajectory& trajectory, Stamp from
 std::size_t Lidar::cast_block(const SceneCaster& caster, const FiringBlock& block,
                               std::span<const std::uint32_t> near_actors, Stamp scan_start,
                               LidarPoint* points) const {
-  Scratch scratch;
+  // A block is cast by one thread from first to last; its memory serves the thread's next one.
+  thread_local Scratch scratch;
+  scratch.window_gains.clear();
   caster.cast(block, near_actors, scratch.scene);
   const std::size_t lists = receiver_.is_dual() ? 2 : 1;
   for (std::size_t which = 0; which < lists; ++which) {

@@ -116,7 +116,8 @@ void SceneEchoes::weaken(std::size_t packet, const Lanes& gain) {
 void SceneCaster::cast(const FiringBlock& block, std::span<const std::uint32_t> near_actors,
                        SceneEchoes& echoes) const {
   echoes.reset(rays_.size());
-  std::vector<PaneHit> panes;
+  thread_local std::vector<PaneHit> panes;
+  panes.clear();
   const BlockMotion motion({block.T_map_lidar.data(), block.cycles + 1}, block.head_turns());
   meet_standing(block, motion, echoes, panes);
   for (const std::uint32_t actor : near_actors) meet_actor(actor, block, echoes, panes);
@@ -218,20 +219,20 @@ void SceneCaster::meet_actor(std::uint32_t index, const FiringBlock& block, Scen
 void SceneCaster::follow(const FiringBlock& block, const BlockMotion& motion,
                          std::span<const std::uint32_t> near_actors,
                          const std::vector<PaneHit>& panes, SceneEchoes& echoes) const {
-  Light light;
+  thread_local Light light;
+  thread_local Light onward;
+  light.clear();
   for (const PaneHit& pane : panes) {
     const BlockMotion::Ray ray = motion.ray(rays_[pane.ray], pane.lane);
     send_on(pane, ray.origin_m + pane.range_m * ray.direction, ray.direction, pane.range_m, 1.0F, 0,
             light, echoes.surfaces[pane.ray].strength(pane.lane));
   }
   const std::vector<ActorPlace> actors = places_of(block, near_actors);
-  Light onward;
   while (!light.through.empty() || !light.mirrored.empty()) {
+    onward.clear();
     follow_all(block, actors, light.through, onward, echoes);
     follow_all(block, actors, light.mirrored, onward, echoes);
     std::swap(light, onward);
-    onward.through.clear();
-    onward.mirrored.clear();
   }
 }
 

@@ -128,6 +128,11 @@ class SceneCaster {
   struct Light {
     std::vector<Segment> through;
     std::vector<Segment> mirrored;
+
+    void clear() {
+      through.clear();
+      mirrored.clear();
+    }
   };
   /// Where an actor is during a block.
   struct ActorPlace {
