@@ -167,6 +167,10 @@ int allan(const AllanArguments& arguments) {
   if (!arguments.preset.empty() && !arguments.compare.empty()) {
     throw InputError("--compare goes with a log; a preset is compared with itself");
   }
+  constexpr double kMostHours = 2000.0;
+  if (arguments.hours * arguments.seeds > kMostHours) {
+    throw InputError("--hours times --seeds is more than 2000 h of samples; ask for less");
+  }
   Progress progress(arguments.quiet);
   if (arguments.preset == kAll) {
     if (!arguments.out.empty()) make_folder(arguments.out);

@@ -56,6 +56,7 @@ struct LidarSpec {
   static constexpr std::array<int, 4> kSubRays = {1, 5, 7, 9};
 
   std::string name;
+  /// For the record: reflectivities are those at 905 nm whatever stands here.
   double wavelength_nm = 905.0;
   /// In firing order.
   std::vector<LidarBeam> beams;
