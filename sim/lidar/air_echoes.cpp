@@ -5,13 +5,13 @@
 #include <limits>
 #include <numbers>
 
+#include "core/physics.h"
 #include "core/random.h"
 
 namespace locsim::sim {
 
 namespace {
 
-constexpr double kLight_m_s = 299'792'458.0;
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr std::size_t kDropCells = 512;
 
@@ -83,7 +83,7 @@ AirEchoes::AirEchoes(const Atmosphere& air, const LidarSpec& spec) {
                  .slope_1_m = static_cast<float>(1e3 * particles.slope_1_mm),
                  .reflectivity = static_cast<float>(particles.reflectivity)};
   }
-  build_soft(air.backscatter_1_m_sr, 0.5 * kLight_m_s * 1e-9 * spec.pulse_ns);
+  build_soft(air.backscatter_1_m_sr, 0.5 * kSpeedOfLight_m_s * 1e-9 * spec.pulse_ns);
   build_drops(spec.range_max_m);
   silent_ = soft_.empty() && drop_before_.empty();
   // Rounded up: better one ray asked too many.

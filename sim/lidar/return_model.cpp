@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/physics.h"
+
 namespace locsim::sim {
 
 namespace {
@@ -67,7 +69,7 @@ float detection_limit(const LidarSpec& spec) {
 }
 
 Receiver::Receiver(const LidarSpec& spec)
-    : pulse_length_m_(static_cast<float>(0.5 * 299'792'458.0 * 1e-9 * spec.pulse_ns)),
+    : pulse_length_m_(static_cast<float>(0.5 * kSpeedOfLight_m_s * 1e-9 * spec.pulse_ns)),
       limit_(spec.effects.detection_limit ? detection_limit(spec) : 0.0F),
       mode_(static_cast<Mode>(std::ranges::find(LidarSpec::kReturnModes, spec.returns) -
                               LidarSpec::kReturnModes.begin())) {}
