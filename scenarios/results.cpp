@@ -10,6 +10,7 @@
 #include "scenarios/imu_log.h"
 #include "scenarios/output_folder.h"
 #include "scenarios/run_files.h"
+#include "scenarios/text_io.h"
 #include "scenarios/yaml_parameters.h"
 
 namespace locsim::scenarios {
@@ -23,15 +24,6 @@ constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 Json to_json(std::optional<double> value) {
   return value ? Json(*value) : Json(nullptr);
-}
-
-// Exact: a double cannot hold the nanoseconds of a GPS time.
-std::string seconds_text(Stamp time) {
-  const std::int64_t total_ns = time.time_since_epoch().count();
-  const auto ns = static_cast<std::uint64_t>(total_ns < 0 ? -total_ns : total_ns);
-  std::string fraction = std::to_string(ns % 1'000'000'000);
-  fraction.insert(0, 9 - fraction.size(), '0');
-  return (total_ns < 0 ? "-" : "") + std::to_string(ns / 1'000'000'000) + "." + fraction;
 }
 
 void append(std::string& row, char separator, std::initializer_list<double> values) {
@@ -51,7 +43,7 @@ template <typename Sample>
 std::string tum_text(const std::vector<Sample>& samples) {
   std::string text = "# t_s x_m y_m z_m qx qy qz qw\n";
   for (const Sample& sample : samples) {
-    text += seconds_text(sample.time);
+    text += exact_seconds(sample.time);
     append_pose(text, ' ', sample.T_map_vehicle);
     text += '\n';
   }
@@ -61,7 +53,7 @@ std::string tum_text(const std::vector<Sample>& samples) {
 std::string estimate_csv(const std::vector<localization::Estimate>& estimates) {
   std::string text = std::string(kEstimateHeader) + "\n";
   for (const localization::Estimate& estimate : estimates) {
-    text += seconds_text(estimate.time);
+    text += exact_seconds(estimate.time);
     append_pose(text, ',', estimate.T_map_vehicle);
     const Vector3d& v = estimate.velocity_m_s;
     append(text, ',', {v.x(), v.y(), v.z()});
@@ -78,7 +70,7 @@ std::string gnss_csv(const std::vector<GnssFix>& fixes, const GeodeticPoint& ori
   const LocalFrame frame(origin);
   std::string text = std::string(kGnssHeader) + "\n";
   for (const GnssFix& fix : fixes) {
-    text += seconds_text(fix.time) + (fix.valid ? ",1," : ",0,") + std::to_string(fix.satellites);
+    text += exact_seconds(fix.time) + (fix.valid ? ",1," : ",0,") + std::to_string(fix.satellites);
     if (fix.valid) {
       const GeodeticPoint& at = fix.position;
       const Vector3d p = frame.to_map(at);
@@ -96,13 +88,6 @@ std::string gnss_csv(const std::vector<GnssFix>& fixes, const GeodeticPoint& ori
     text += '\n';
   }
   return text;
-}
-
-void write_file(const fs::path& file, const std::string& content) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << content;
-  stream.close();
-  if (!stream) throw InputError(file.string() + ": cannot be written; is the disk full?");
 }
 
 Json cost_json(const Cost& cost) {
@@ -154,13 +139,13 @@ std::string scores_json(const RunResult& result) {
 void write_results(const RunResult& result, const fs::path& folder,
                    const std::function<void(const fs::path&)>& add_files) {
   PendingFolder pending(folder);
-  write_file(pending.path() / run_file::kScores, scores_json(result));
-  write_file(pending.path() / run_file::kTruth, tum_text(result.truth));
-  write_file(pending.path() / run_file::kEstimateTum, tum_text(result.estimates));
-  write_file(pending.path() / run_file::kEstimate, estimate_csv(result.estimates));
-  write_file(pending.path() / run_file::kGnss, gnss_csv(result.fixes, result.origin));
-  write_file(pending.path() / run_file::kImu, imu_log_csv(result.imu));
-  write_file(pending.path() / run_file::kScenario, result.scenario_yaml);
+  write_text_file(pending.path() / run_file::kScores, scores_json(result));
+  write_text_file(pending.path() / run_file::kTruth, tum_text(result.truth));
+  write_text_file(pending.path() / run_file::kEstimateTum, tum_text(result.estimates));
+  write_text_file(pending.path() / run_file::kEstimate, estimate_csv(result.estimates));
+  write_text_file(pending.path() / run_file::kGnss, gnss_csv(result.fixes, result.origin));
+  write_text_file(pending.path() / run_file::kImu, imu_log_csv(result.imu));
+  write_text_file(pending.path() / run_file::kScenario, result.scenario_yaml);
   if (add_files) add_files(pending.path());
   pending.put_in_place();
 }

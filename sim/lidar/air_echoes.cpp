@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/physics.h"
 #include "core/random.h"
 
 namespace locsim::sim {
@@ -70,7 +69,7 @@ class PulseResponse {
 AirEchoes::AirEchoes(const Atmosphere& air, const LidarSpec& spec) {
   if (air.is_clear() || !spec.effects.weather) return;
   extinction_1_m_ = static_cast<float>(air.extinction_1_m);
-  limit_ = static_cast<float>(spec.detection_reflectivity / std::pow(spec.detection_range_m, 2));
+  limit_ = detection_limit(spec);
   constexpr double kNearest_m = 0.4;
   constexpr double kOverlap_m = 0.1;
   const double middle_m = std::max(spec.range_min_m, kNearest_m);
@@ -83,7 +82,7 @@ AirEchoes::AirEchoes(const Atmosphere& air, const LidarSpec& spec) {
                  .slope_1_m = static_cast<float>(1e3 * particles.slope_1_mm),
                  .reflectivity = static_cast<float>(particles.reflectivity)};
   }
-  build_soft(air.backscatter_1_m_sr, 0.5 * kSpeedOfLight_m_s * 1e-9 * spec.pulse_ns);
+  build_soft(air.backscatter_1_m_sr, pulse_length_m(spec));
   build_drops(spec.range_max_m);
   silent_ = soft_.empty() && drop_before_.empty();
   // Rounded up: better one ray asked too many.
@@ -212,7 +211,7 @@ float AirEchoes::rate_1_m(const Kind& kind, const Place& place) const {
          std::exp(-kind.slope_1_m * least_diameter_m(kind, place));
 }
 
-AirEchoes::Echo AirEchoes::soft_echo(float target_range_m, std::uint32_t bits) const {
+Echo AirEchoes::soft_echo(float target_range_m, std::uint32_t bits) const {
   if (soft_.empty()) return {};
   const float steps = (target_range_m - near_m_) / soft_step_m_;
   if (!(steps > 0.0F)) return {};
@@ -227,8 +226,7 @@ AirEchoes::Echo AirEchoes::soft_echo(float target_range_m, std::uint32_t bits) c
   return echo.power >= limit_ ? echo : Echo{};
 }
 
-AirEchoes::Echo AirEchoes::drop_echo(float target_range_m,
-                                     const std::array<std::uint32_t, 4>& bits) const {
+Echo AirEchoes::drop_echo(float target_range_m, const std::array<std::uint32_t, 4>& bits) const {
   const float u = uniform_float(bits[1]);
   if (u >= drop_probability_) return {};
   std::size_t cell = drop_cell_[std::min(

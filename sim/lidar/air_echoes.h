@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/lidar/lidar_spec.h"
+#include "sim/lidar/return_model.h"
 #include "sim/weather/weather.h"
 
 namespace locsim::sim {
@@ -40,11 +41,6 @@ class AirEchoes {
   /// `spec.effects.weather` air is clear.
   AirEchoes(const Atmosphere& air, const LidarSpec& spec);
 
-  struct Echo {
-    float range_m = 0.0F;
-    /// 0 where there is none.
-    float power = 0.0F;
-  };
   /// The strongest echo of the air ahead of a target at `target_range_m` (infinite for none).
   /// `bits` are the ray's own random bits; the same bits give the same echo.
   [[nodiscard]] Echo strongest(float target_range_m,

@@ -29,23 +29,19 @@ struct BeamEcho {
   Lanes farthest_m;
 };
 
-Lanes powers_of(const SurfaceEchoes& surface, float extinction_1_m) {
-  Lanes power = surface.strength / (surface.range_m * surface.range_m);
-  if (extinction_1_m > 0.0F) power *= (-2.0F * extinction_1_m * surface.range_m).exp();
-  return power;
-}
-
 BeamEcho beam_echo(std::span<const SurfaceEchoes> surfaces, float extinction_1_m) {
+  const auto power_of = [&](const SurfaceEchoes& surface) {
+    return received_power(surface.strength, surface.range_m, extinction_1_m);
+  };
   const Lanes& middle_m = surfaces.front().range_m;
-  BeamEcho echo{middle_m, powers_of(surfaces.front(), extinction_1_m), middle_m, middle_m};
+  BeamEcho echo{middle_m, power_of(surfaces.front()), middle_m, middle_m};
   if (surfaces.size() == 1) return echo;
   Lanes moment = Lanes::Zero();
   echo.power.setZero();
   for (const SurfaceEchoes& surface : surfaces) {
     // What met nothing has no strength to speak of.
-    const Lanes power =
-        (surface.range_m < std::numeric_limits<float>::infinity())
-            .select(powers_of(surface, extinction_1_m) / static_cast<float>(surfaces.size()), 0.0F);
+    const Lanes power = (surface.range_m < std::numeric_limits<float>::infinity())
+                            .select(power_of(surface) / static_cast<float>(surfaces.size()), 0.0F);
     echo.power += power;
     moment += (power > 0.0F).select(power * surface.range_m, 0.0F);
     echo.nearest_m = echo.nearest_m.min(surface.range_m);
@@ -158,10 +154,9 @@ Echo Lidar::air_echo(const AirEchoes& air, Stamp fired, std::size_t beam, std::u
                      float target_range_m) const {
   std::array<std::uint32_t, 4> bits = air_noise_.bits(draw_index(fired), kOwnDraws + beam);
   bits[1] = drop_bits;
-  const AirEchoes::Echo echo = air.strongest(target_range_m, bits);
+  const Echo echo = air.strongest(target_range_m, bits);
   // The receiver's gate opens at the least range.
-  if (echo.range_m < static_cast<float>(spec_.range_min_m)) return {};
-  return {.range_m = echo.range_m, .power = echo.power};
+  return echo.range_m < static_cast<float>(spec_.range_min_m) ? Echo{} : echo;
 }
 
 // Turns ranges into what the sensor says of them.

@@ -68,8 +68,12 @@ float detection_limit(const LidarSpec& spec) {
                             (spec.detection_range_m * spec.detection_range_m));
 }
 
+double pulse_length_m(const LidarSpec& spec) {
+  return 0.5 * kSpeedOfLight_m_s * 1e-9 * spec.pulse_ns;
+}
+
 Receiver::Receiver(const LidarSpec& spec)
-    : pulse_length_m_(static_cast<float>(0.5 * kSpeedOfLight_m_s * 1e-9 * spec.pulse_ns)),
+    : pulse_length_m_(static_cast<float>(sim::pulse_length_m(spec))),
       limit_(spec.effects.detection_limit ? detection_limit(spec) : 0.0F),
       mode_(static_cast<Mode>(std::ranges::find(LidarSpec::kReturnModes, spec.returns) -
                               LidarSpec::kReturnModes.begin())) {}

@@ -35,6 +35,16 @@ struct Optics {
   Optics(const Material& material, const LidarEffects& effects);
 };
 
+/// ρ(θ), of one surface or of a packet of them.
+template <typename Value>
+[[nodiscard]] Value strength_of(const Value& lambert, const Value& rough, const Value& flat,
+                                const Value& cos_incidence) {
+  return lambert * cos_incidence + rough * (1.0F - cos_incidence * cos_incidence) + flat;
+}
+[[nodiscard]] inline float strength_of(const Optics& optics, float cos_incidence) {
+  return strength_of(optics.lambert, optics.rough, optics.flat, cos_incidence);
+}
+
 [[nodiscard]] std::vector<Optics> optics_of(std::span<const Material> materials,
                                             const LidarEffects& effects);
 
@@ -57,13 +67,21 @@ struct Echo {
   float power = 0.0F;
 };
 
-/// The power of an echo from a target of reflectivity `strength` [same unit].
-[[nodiscard]] inline float received_power(float strength, float range_m, float extinction_1_m) {
-  return strength * std::exp(-2.0F * extinction_1_m * range_m) / (range_m * range_m);
+/// The power of an echo from a target of reflectivity `strength` [same unit], of one ray or of a
+/// packet.
+template <typename Value>
+[[nodiscard]] Value received_power(const Value& strength, const Value& range_m,
+                                   float extinction_1_m) {
+  using std::exp;
+  const Value in_clear_air = strength / (range_m * range_m);
+  if (extinction_1_m == 0.0F) return in_clear_air;
+  return in_clear_air * exp(Value(-2.0F * extinction_1_m * range_m));
 }
 
 /// Power of an echo that is just seen.
 [[nodiscard]] float detection_limit(const LidarSpec& spec);
+/// c·τ/2: echoes nearer to each other are one.
+[[nodiscard]] double pulse_length_m(const LidarSpec& spec);
 
 /// Which of a ray's echoes a sensor reports; power 0 where there is none.
 using ReportedEchoes = std::array<Echo, 2>;

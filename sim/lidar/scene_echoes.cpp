@@ -50,11 +50,6 @@ Vector3f normal_of(const RTCRayHit16& packet, int lane) {
   return Vector3f(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]).normalized();
 }
 
-float strength_of(const Optics& optics, float cos_incidence) {
-  return optics.lambert * cos_incidence + optics.rough * (1.0F - cos_incidence * cos_incidence) +
-         optics.flat;
-}
-
 // The same of sixteen surfaces, their optics column by column.
 struct OpticsLanes {
   Lanes lambert = Lanes::Zero();
@@ -67,7 +62,7 @@ struct OpticsLanes {
     flat(lane) = optics.flat;
   }
   [[nodiscard]] Lanes strength(const Lanes& cosines) const {
-    return lambert * cosines + rough * (1.0F - cosines * cosines) + flat;
+    return strength_of(lambert, rough, flat, cosines);
   }
 };
 

@@ -8,9 +8,6 @@ namespace locsim::sim {
 
 namespace {
 
-// Wheels and feet get over what is lower.
-constexpr double kStepOver_m = 0.3;
-
 Footprint footprint(const Pose& pose, const Vector3d& half_extent_m, double along_m,
                     double beside_m) {
   const double yaw_rad = pose.yaw();

@@ -10,6 +10,10 @@ namespace locsim::sim {
 
 /// Poses are this far apart in time.
 inline constexpr double kTrafficStep_s = 0.1;
+/// Wheels and feet get over what is lower.
+inline constexpr double kStepOver_m = 0.3;
+/// From the car's scheduled place: nothing comes, goes or turns nearer.
+inline constexpr double kOutOfSight_m = 100.0;
 
 /// An actor to be: there during steps first, first + 1, …
 struct Candidate {

@@ -12,7 +12,6 @@ namespace locsim::sim {
 
 namespace {
 
-constexpr double kOutOfSight_m = 100.0;
 constexpr double kKeepFree_m = 2.5;
 constexpr double kKeepFree_s = 10.0;
 // Half the free road that two cars keep.

@@ -15,7 +15,6 @@ constexpr double kStandingClearance_m = 0.05;
 // A little of what lies beyond the pavement may be walked on where nothing stands.
 constexpr double kBeyond_m = 0.3;
 constexpr double kNarrowest_m = 0.8;
-constexpr double kStepOver_m = 0.3;
 
 std::optional<Vector3d> on_ground(const GroundRays& ground, const Vector2d& p) {
   // Higher than any town of ours is.

@@ -47,7 +47,6 @@ constexpr Manner kByBicycle = {
     .turns_unseen = true,
     .inner_share = 0.0,
     .outer_share = 0.15};
-constexpr double kOutOfSight_m = 60.0;
 constexpr int kTries = 20;
 
 Route shifted(const Route& route, double left_m) {

@@ -69,6 +69,9 @@ MaterialTable read_materials(const MeshWorldConfig& config, const aiScene& scene
                                      [&](const aiMesh* mesh) { return mesh->mMaterialIndex == i; });
     if (known != config.materials.end()) {
       material.reflectivity_905nm = known->reflectivity_905nm;
+      material.roughness_rad = known->roughness_rad;
+      material.refractive_index = known->refractive_index;
+      material.retroreflection = known->retroreflection;
     } else if (is_used) {
       unknown += (unknown.empty() ? "'" : ", '") + material.name + "'";
     }
@@ -144,6 +147,12 @@ class SceneReader {
 void MeshMaterial::describe(Parameters& p) {
   p.text("name", name);
   p.number("reflectivity_905nm", reflectivity_905nm, kShare);
+  p.number("roughness_rad", roughness_rad, {.min = 0.0, .max = 1.5});
+  p.number("refractive_index", refractive_index, {.min = 0.0, .max = 3.0});
+  if (refractive_index > 0.0 && refractive_index < 1.0) {
+    p.fail("refractive_index", "is below 1, needs 0 (opaque) or 1 to 3");
+  }
+  p.number("retroreflection", retroreflection, {.min = 0.0, .max = 1e4});
   p.flag("is_ground", is_ground);
 }
 

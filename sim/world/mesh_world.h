@@ -15,6 +15,10 @@ struct MeshMaterial {
   double reflectivity_905nm = 0.3;
   /// Whether wheels may roll on it.
   bool is_ground = false;
+  /// As `Material` has them.
+  double roughness_rad = 0.3;
+  double refractive_index = 0.0;
+  double retroreflection = 0.0;
 
   void describe(Parameters& p);
 };

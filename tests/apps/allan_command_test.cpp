@@ -1,55 +1,27 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/apps/command.h"
+
+namespace locsim::apps {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-class AllanCommand : public testing::Test {
+class AllanCommand : public InScratchFolder {
  protected:
-  AllanCommand() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / ("locsim_allan_" + std::string(info->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~AllanCommand() override { fs::remove_all(folder_); }
-
-  struct Answer {
-    int exit_code = -1;
-    std::string text;
-  };
-  static Answer allan(const std::string& arguments) {
-    const std::string command =
-        std::string(LOCSIM_COMMAND) + " allan --quiet " + arguments + " 2>&1 </dev/null";
-    Answer answer;
-    FILE* pipe = popen(command.c_str(), "r");
-    std::array<char, 4096> buffer{};
-    while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
-      answer.text.append(buffer.data(), n);
-    }
-    const int status = pclose(pipe);
-    if (WIFEXITED(status)) answer.exit_code = WEXITSTATUS(status);
-    return answer;
-  }
+  static Answer allan(const std::string& arguments) { return locsim("allan --quiet " + arguments); }
   static std::string refusal(const std::string& arguments) {
-    const Answer answer = allan(arguments);
-    EXPECT_EQ(answer.exit_code, 2) << answer.text;
-    EXPECT_TRUE(answer.text.starts_with("error: ")) << answer.text;
-    EXPECT_EQ(std::count(answer.text.begin(), answer.text.end(), '\n'), 1) << answer.text;
-    return answer.text;
+    return refusal_of("allan --quiet " + arguments);
   }
   // A minute of a unit at rest at 50 Hz, pseudo-noise of 1 mrad/s and 1 cm/s².
   [[nodiscard]] fs::path write_log() const {
@@ -72,9 +44,6 @@ class AllanCommand : public testing::Test {
     }
     return folder_ / "imu.csv";
   }
-  [[nodiscard]] fs::path out() const { return folder_ / "out"; }
-
-  fs::path folder_;
 };
 
 TEST_F(AllanCommand, LogGivesTableFilesAndPicture) {
@@ -147,3 +116,4 @@ TEST_F(AllanCommand, LogWithoutRestSaysSo) {
 }
 
 }  // namespace
+}  // namespace locsim::apps

@@ -1,71 +1,37 @@
+#include "tests/apps/command.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
 
+namespace locsim::apps {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-struct Answer {
-  int exit_code = -1;
-  /// Standard output and standard error.
-  std::string text;
-};
-
-Answer locsim(const std::string& arguments) {
-  const std::string command = std::string(LOCSIM_COMMAND) + " " + arguments + " 2>&1 </dev/null";
-  Answer answer;
-  FILE* pipe = popen(command.c_str(), "r");
-  std::array<char, 4096> buffer{};
-  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
-    answer.text.append(buffer.data(), n);
-  }
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) answer.exit_code = WEXITSTATUS(status);
-  return answer;
-}
-
 /// A scratch folder with a scenario to spoil.
-class Command : public testing::Test {
+class Command : public InScratchFolder {
  protected:
-  Command() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / ("locsim_command_" + std::string(info->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~Command() override { fs::remove_all(folder_); }
-
   fs::path write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return folder_ / name;
   }
-  [[nodiscard]] fs::path out() const { return folder_ / "out"; }
-
   /// Runs a scenario that must be refused: exit code 2, one line of error, nothing written.
   std::string refusal(const std::string& arguments) const {
-    const Answer answer = locsim("run " + arguments + " --quiet --out " + out().string());
-    EXPECT_EQ(answer.exit_code, 2) << answer.text;
-    EXPECT_TRUE(answer.text.starts_with("error: ")) << answer.text;
-    EXPECT_EQ(std::count(answer.text.begin(), answer.text.end(), '\n'), 1) << answer.text;
+    const std::string text = refusal_of("run " + arguments + " --quiet --out " + out().string());
     EXPECT_FALSE(fs::exists(out()));
-    return answer.text;
+    return text;
   }
   std::string refusal_of_text(const std::string& yaml) const {
     return refusal(write("bad.yaml", yaml).string());
   }
-
-  fs::path folder_;
 };
 
 const std::string kFirstDrive =
@@ -242,3 +208,4 @@ TEST_F(Command, ListsWhatThereIs) {
 }
 
 }  // namespace
+}  // namespace locsim::apps

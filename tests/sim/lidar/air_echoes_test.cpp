@@ -40,8 +40,8 @@ double gain(const LidarSpec& spec, double alpha_1_m, double range_m) {
   return overlap * std::exp(-2.0 * alpha_1_m * range_m) / (range_m * range_m);
 }
 
-AirEchoes::Echo soft_mean(const AirEchoes& echoes, float target_range_m) {
-  AirEchoes::Echo mean;
+Echo soft_mean(const AirEchoes& echoes, float target_range_m) {
+  Echo mean;
   for (std::uint32_t i = 0; i < 256; ++i) {
     const auto echo = echoes.strongest(target_range_m, {i << 24, kNoDrop, 0, 0});
     mean.range_m = std::max(mean.range_m, echo.range_m);
@@ -52,7 +52,7 @@ AirEchoes::Echo soft_mean(const AirEchoes& echoes, float target_range_m) {
 
 // A pulse sin²(π·t/τ) as it comes back at time t, through air up to the target, by the midpoint
 // rule at a third of a millimetre or less; ranged where it peaks, less half the pulse.
-AirEchoes::Echo soft_brute(const LidarSpec& spec, const Atmosphere& air, double target_range_m) {
+Echo soft_brute(const LidarSpec& spec, const Atmosphere& air, double target_range_m) {
   const double pulse_m = 0.5 * 0.299792458 * spec.pulse_ns;
   const double near_m = spec.range_min_m - 0.1;
   const double far_m = std::min(target_range_m, near_m + 0.2 + 2.0 * pulse_m);
@@ -70,7 +70,7 @@ AirEchoes::Echo soft_brute(const LidarSpec& spec, const Atmosphere& air, double 
     }
     return sum;
   };
-  AirEchoes::Echo best;
+  Echo best;
   constexpr int kDelays = 400;
   for (int i = 1; i < kDelays; ++i) {
     const double delay_m = near_m + (far_m + pulse_m - near_m) * i / kDelays;
@@ -192,7 +192,7 @@ class PlacedDrops {
   PlacedDrops(const LidarSpec& spec, const Atmosphere& air, double target_range_m)
       : spec_(spec), air_(air), target_range_m_(target_range_m), random_(3, "drops") {}
 
-  AirEchoes::Echo next() {
+  Echo next() {
     const auto rain = nearest(air_.rain);
     const auto snow = nearest(air_.snow);
     if (rain.power == 0.0F) return snow;
@@ -200,7 +200,7 @@ class PlacedDrops {
   }
 
  private:
-  AirEchoes::Echo nearest(const Particles& kind) {
+  Echo nearest(const Particles& kind) {
     if (kind.number_1_m3_mm == 0.0) return {};
     const double width_m = 0.01 + spec_.divergence_rad[0] * target_range_m_;
     const double height_m = 0.01 + spec_.divergence_rad[1] * target_range_m_;
@@ -246,7 +246,7 @@ struct Histograms {
 
   // Ranges between 0.9 m and the target, powers by the square root of P_min/P: both about evenly
   // filled, in the first bin what has no echo.
-  void add(const AirEchoes::Echo& echo, double reach_m, double limit_power) {
+  void add(const Echo& echo, double reach_m, double limit_power) {
     const bool hit = echo.power > 0.0F;
     hits += hit ? 1 : 0;
     const auto bin = [&](double share) {

@@ -57,8 +57,7 @@ TEST(LidarWeather, IntoTheOpenDropsReturnAsOftenAsTheAirsEchoesSay) {
   double expected = 0.0;
   double expected_m = 0.0;
   for (std::uint64_t i = 0; i < kRays; ++i) {
-    const AirEchoes::Echo echo =
-        air.strongest(std::numeric_limits<float>::infinity(), stream.bits(i));
+    const Echo echo = air.strongest(std::numeric_limits<float>::infinity(), stream.bits(i));
     if (echo.power == 0.0F || echo.range_m < spec.range_min_m) continue;
     expected += 1.0;
     expected_m += echo.range_m;

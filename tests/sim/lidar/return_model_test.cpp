@@ -45,8 +45,7 @@ TEST(ReturnModel, PowerFallsAsReflectivityIncidenceRangeSquaredAndAirSay) {
         for (const double incidence_deg : {0.0, 30.0, 60.0, 85.0}) {
           const double cosine = std::cos(incidence_deg * kDegree);
           const double sine = std::sin(incidence_deg * kDegree);
-          const auto strength =
-              static_cast<float>(optics.lambert * cosine + optics.rough * sine * sine);
+          const float strength = strength_of(optics, static_cast<float>(cosine));
           // Oren and Nayar 1994, equation 30 with both directions the same, over its value at 0.
           const double v = roughness_rad * roughness_rad;
           const double a = 1.0 - 0.5 * v / (v + 0.33);
@@ -130,8 +129,8 @@ TEST(ReturnModel, NoiseGrowsAsPowerFalls) {
     const double mean = static_cast<double>(noisy.points.size()) / kBins;
     double chi_square = 0.0;
     for (const double count : counts) chi_square += (count - mean) * (count - mean) / mean;
-    // 39 degrees of freedom: 99.99 % below 82. A σ wrong by 2 % already adds 69,440·(0.02)² · 1.5
-    // ≈ 42 to its mean of 39: with this many samples the test sees it.
+    // 39 degrees of freedom: 99.99 % below 82. A σ wrong by 3 % adds 69,440·0.03²·1.83 = 114 to its
+    // mean of 39 (1.83: what 40 even bins keep of the information on σ, of 2): it is seen.
     EXPECT_LT(chi_square, 82.0) << reflectivity;
   }
 }

@@ -99,7 +99,12 @@ TEST_F(MeshWorld, ObjKeepsAreasMaterialsAndGround) {
   write("room.mtl", kRoomMaterials);
   MeshWorldConfig config;
   config.file = write("room.obj", kRoom);
-  config.materials = {{"floor", 0.2, true}, {"bricks", 0.4, false}};
+  config.materials = {{"floor", 0.2, true},
+                      {.name = "bricks",
+                       .reflectivity_905nm = 0.4,
+                       .roughness_rad = 0.6,
+                       .refractive_index = 1.5,
+                       .retroreflection = 20.0}};
   config.strict = true;
   const World world = load_mesh_world(config, {0.5, 0.25, 10.0});
   EXPECT_EQ(world.origin.latitude_rad, 0.5);
@@ -111,7 +116,11 @@ TEST_F(MeshWorld, ObjKeepsAreasMaterialsAndGround) {
   EXPECT_EQ(floor.name, "floor");
   EXPECT_EQ(floor.reflectivity_905nm, 0.2);
   EXPECT_FLOAT_EQ(floor.color[2], 0.3F);
-  EXPECT_EQ(world.materials.at(world.structures.materials.front()).reflectivity_905nm, 0.4);
+  const Material& bricks = world.materials.at(world.structures.materials.front());
+  EXPECT_EQ(bricks.reflectivity_905nm, 0.4);
+  EXPECT_EQ(bricks.roughness_rad, 0.6);
+  EXPECT_EQ(bricks.refractive_index, 1.5);
+  EXPECT_EQ(bricks.retroreflection, 20.0);
   EXPECT_GT(world.ground.area_normal(0).z(), 0.0);
   EXPECT_LT(world.structures.area_normal(0).y(), 0.0);
 }
