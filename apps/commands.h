@@ -20,6 +20,8 @@ void add_run_command(CLI::App& app, Action& action);
 void add_render_command(CLI::App& app, Action& action);
 void add_map_command(CLI::App& app, Action& action);
 void add_allan_command(CLI::App& app, Action& action);
+void add_sky_command(CLI::App& app, Action& action);
+void add_replay_command(CLI::App& app, Action& action);
 void add_list_command(CLI::App& app, Action& action);
 
 }  // namespace locsim::apps

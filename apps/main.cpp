@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
   apps::add_render_command(app, action);
   apps::add_map_command(app, action);
   apps::add_allan_command(app, action);
+  apps::add_sky_command(app, action);
+  apps::add_replay_command(app, action);
   apps::add_list_command(app, action);
 
   try {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "benchmarks/refined.h"
 #include "benchmarks/town.h"
 #include "sim/lidar/firing_block.h"
 #include "sim/lidar/lidar.h"
@@ -41,36 +42,13 @@ struct Setup {
   Trajectory trajectory;
   double triangles;
 
-  Setup(const World& world, const Route& route) : scene(world, {}), trajectory(drive(route)) {
-    triangles = 0.0;
-    for (const TriangleMesh* mesh :
-         {&world.ground, &world.structures, &world.parked_cars, &world.interiors}) {
-      triangles += static_cast<double>(mesh->triangles.size());
-    }
-  }
+  Setup(const World& world, const Route& route)
+      : scene(world, {}), trajectory(drive(route)), triangles(benchmarks::triangles(world)) {}
 };
 
 const Setup& town_setup() {
   static const Setup setup(benchmarks::town().world, benchmarks::town().layout.route);
   return setup;
-}
-
-/// The same surfaces, each triangle cut into `parts`².
-TriangleMesh refined(const TriangleMesh& mesh, int parts) {
-  TriangleMesh fine;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vector3d a = mesh.corner(t, 0);
-    const Vector3d u = (mesh.corner(t, 1) - a) / parts;
-    const Vector3d v = (mesh.corner(t, 2) - a) / parts;
-    for (int i = 0; i < parts; ++i) {
-      for (int k = 0; i + k < parts; ++k) {
-        const Vector3d p = a + i * u + k * v;
-        fine.add_triangle(p, p + u, p + v, mesh.materials[t]);
-        if (i + k + 1 < parts) fine.add_triangle(p + u, p + u + v, p + v, mesh.materials[t]);
-      }
-    }
-  }
-  return fine;
 }
 
 const Setup& refined_setup(int parts) {
@@ -85,10 +63,7 @@ const Setup& refined_setup(int parts) {
                               .furniture_spacing_m = 10'000.0,
                               .parked_share = 0.0},
                              layout, 7, {});
-    for (TriangleMesh* mesh :
-         {&world.ground, &world.structures, &world.parked_cars, &world.interiors}) {
-      *mesh = refined(*mesh, parts);
-    }
+    benchmarks::refine(world, parts);
     setup = std::make_unique<Setup>(world, layout.route);
   }
   return *setup;

@@ -52,6 +52,8 @@ class Localizer {
   virtual ~Localizer() = default;
   virtual void add(const ImuSample& sample) = 0;
   virtual void add(const GnssFix& fix) = 0;
+  /// For localizers that solve for themselves; others take no notice.
+  virtual void add(const GnssEpoch&) {}
   virtual void add(const MagneticHeading& heading) = 0;
   virtual void add(const LidarScan& scan) = 0;
   /// Belief at the time of the newest IMU sample or scan; nothing before the first guess.

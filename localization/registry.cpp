@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "localization/gnss_ins/gnss_ins_localizer.h"
 #include "localization/icp/icp_localizer.h"
 
 namespace locsim::localization {
@@ -14,6 +15,9 @@ namespace {
 constexpr std::array kKinds = {
     LocalizerKind{"icp", "PCL's point-to-point ICP to the prior map, joined with the IMU",
                   make_icp_settings},
+    LocalizerKind{"gnss_ins",
+                  "the paper's GNSS-based odometry alone: IMU, GNSS and compass, no map",
+                  make_gnss_ins_settings},
 };
 
 }  // namespace

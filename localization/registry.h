@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "core/geodesy.h"
 #include "core/parameters.h"
 #include "localization/localizer.h"
 #include "maps/prior_map.h"
@@ -13,7 +14,10 @@ namespace locsim::localization {
 /// What every localizer is built from.
 struct LocalizerInputs {
   Rig rig;
+  /// May be null: for localizers that need none.
   std::shared_ptr<const maps::PriorMap> map;
+  /// Of the map frame.
+  GeodeticPoint origin;
   /// Threads it may use; the result must not depend on it.
   int threads = 1;
 };

@@ -14,6 +14,7 @@
 
 #include "localization/registry.h"
 #include "scenarios/driver_estimate.h"
+#include "scenarios/gnss_delivery.h"
 #include "scenarios/imu_delivery.h"
 #include "sim/faults/faults.h"
 #include "sim/gnss/gnss.h"
@@ -31,9 +32,6 @@ namespace locsim::scenarios {
 namespace {
 
 using localization::Estimate;
-
-/// Nothing farther than this blocks a satellite.
-constexpr double kSkyReach_m = 300.0;
 
 /// Adds the wall-clock time of its scope to a sum.
 class CostTimer {
@@ -54,7 +52,8 @@ class CostTimer {
 /// What a sensor says, and when the localizer hears it.
 struct Message {
   Stamp delivered;
-  std::variant<ImuSample, GnssFix, MagneticHeading, std::shared_ptr<const LidarScan>> content;
+  std::variant<ImuSample, GnssFix, GnssEpoch, MagneticHeading, std::shared_ptr<const LidarScan>>
+      content;
 };
 
 /// What one tick hands to the localizer, and what it answers.
@@ -125,8 +124,7 @@ class ClosedLoop {
   void drive_one_period();
   void sample_light_sensors(Stamp from);
   void deliver_imu(std::span<const ImuSample> samples);
-  template <typename M>
-  void deliver(std::span<const M> messages);
+  void deliver_gnss(std::vector<sim::GnssOutput> outputs);
   void cast_lidars();
   void deliver_scan();
   void tick();
@@ -153,6 +151,7 @@ class ClosedLoop {
   sim::Imu imu_;
   ImuDelivery imu_delivery_;
   sim::Gnss gnss_;
+  GnssDelivery gnss_delivery_;
   Vector3d earth_field_map_T_;
   sim::SteelField steel_field_;
   sim::Magnetometer magnetometer_;
@@ -188,16 +187,18 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Stage& stage,
               faults_, Stamp{}),
       imu_(scenario.sensors.imu.spec, scenario.sensors.imu.mount.pose(), scenario.seed, faults_),
       imu_delivery_(faults_),
-      gnss_(scenario.sensors.gnss.spec, scenario.sensors.gnss.mount.pose().translation,
-            scenario.seed),
-      earth_field_map_T_(sim::earth_field_enu_T(stage.world.origin,
-                                                scenario.sensors.magnetometer.spec.epoch_year)),
+      gnss_(scenario.sensors.gnss.spec, scenario.sensors.gnss.mount.pose().translation, stage.world,
+            scene_, frame_, scenario.gps_start(), scenario.seed, faults_),
+      earth_field_map_T_(
+          sim::earth_field_enu_T(stage.world.origin, scenario.gps_start().decimal_year())),
       steel_field_(stage.world, actors_, earth_field_map_T_, scenario.world.seed),
       magnetometer_(scenario.sensors.magnetometer.spec, scenario.sensors.magnetometer.mount.pose(),
                     earth_field_map_T_, &steel_field_, scenario.seed),
       rig_(make_rig(scenario.sensors)),
-      localizer_(scenario.localizer.settings->make(
-          {.rig = rig_, .map = std::move(map), .threads = options.threads})),
+      localizer_(scenario.localizer.settings->make({.rig = rig_,
+                                                    .map = std::move(map),
+                                                    .origin = stage.world.origin,
+                                                    .threads = options.threads})),
       driver_estimate_(rig_) {
   // One physics step ahead of the clock: the trajectory's last tangent needs the pose after it.
   trajectory_.push(vehicle_.T_map_vehicle());
@@ -229,22 +230,23 @@ void ClosedLoop::sample_light_sensors(Stamp from) {
   imu_.sample(trajectory_, from, now_, imu);
   std::vector<MagneticHeading> headings;
   magnetometer_.sample(trajectory_, from, now_, headings);
-  std::vector<GnssFix> fixes;
-  const auto is_blocked = [&](const Vector3d& origin, const Vector3d& direction, Stamp time) {
-    return faults_.active<sim::GnssOutage>(time) != nullptr ||
-           scene_.is_blocked(origin, direction, kSkyReach_m, time);
-  };
-  gnss_.sample(trajectory_, is_blocked, frame_, from, now_, fixes);
+  std::vector<sim::GnssOutput> gnss;
+  gnss_.sample(trajectory_, from, now_, gnss);
 
   deliver_imu(imu);
-  deliver<MagneticHeading>(headings);
-  deliver<GnssFix>(fixes);
-  record_.fixes.insert(record_.fixes.end(), fixes.begin(), fixes.end());
+  for (const MagneticHeading& heading : headings) inbox_.push_back({heading.time, heading});
+  deliver_gnss(std::move(gnss));
 }
 
-template <typename M>
-void ClosedLoop::deliver(std::span<const M> messages) {
-  for (const M& message : messages) inbox_.push_back({message.time, message});
+void ClosedLoop::deliver_gnss(std::vector<sim::GnssOutput> outputs) {
+  for (const sim::GnssOutput& output : outputs) {
+    record_.fixes.push_back(output.fix);
+    record_.epochs.push_back(output.raw);
+  }
+  for (sim::GnssOutput& arrived : gnss_delivery_.deliver(std::move(outputs), now_)) {
+    inbox_.push_back({arrived.delivered, std::move(arrived.fix)});
+    inbox_.push_back({arrived.delivered, std::move(arrived.raw)});
+  }
 }
 
 void ClosedLoop::deliver_imu(std::span<const ImuSample> samples) {
@@ -328,6 +330,7 @@ RunRecord ClosedLoop::run() {
   record_.route_finished = driver_.finished();
   record_.simulated_s = to_seconds(now_);
   record_.collisions = vehicle_.collisions();
+  record_.satellites = broadcast_of(gnss_.receiver(), record_.epochs, scenario_.gps_start());
   return std::move(record_);
 }
 

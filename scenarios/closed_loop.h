@@ -7,6 +7,7 @@
 #include "core/messages.h"
 #include "localization/localizer.h"
 #include "maps/prior_map.h"
+#include "scenarios/satellite_broadcast.h"
 #include "scenarios/scenario.h"
 #include "scenarios/stage.h"
 #include "sim/trajectory.h"
@@ -34,6 +35,9 @@ struct RunRecord {
   /// At the same ticks, where the localizer believed anything.
   std::vector<localization::Estimate> estimates;
   std::vector<GnssFix> fixes;
+  std::vector<GnssEpoch> epochs;
+  /// What the satellites of these epochs broadcast meanwhile.
+  SatelliteBroadcast satellites;
   /// Delivered scans' end times: what relocalization counts from.
   std::vector<Stamp> scan_times;
   /// All that were taken, in the order of their stamps.

@@ -31,8 +31,9 @@ fs::path normal_path(const fs::path& folder) {
 
 bool is_ours(const fs::directory_entry& entry) {
   using namespace run_file;
-  constexpr std::string_view kOurs[] = {kScores, kTruth, kEstimateTum, kEstimate,
-                                        kGnss,   kImu,   kScenario};
+  constexpr std::string_view kOurs[] = {kScores, kTruth,        kEstimateTum, kEstimate,
+                                        kGnss,   kObservations, kNavigation,  kNmea,
+                                        kImu,    kScenario};
   const std::string name = entry.path().filename().string();
   return entry.is_regular_file() &&
          (std::ranges::find(kOurs, name) != std::end(kOurs) || name.ends_with(".png"));

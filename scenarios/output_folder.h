@@ -12,6 +12,9 @@ inline constexpr std::string_view kTruth = "truth.tum";
 inline constexpr std::string_view kEstimateTum = "estimate.tum";
 inline constexpr std::string_view kEstimate = "estimate.csv";
 inline constexpr std::string_view kGnss = "gnss.csv";
+inline constexpr std::string_view kObservations = "gnss.obs";
+inline constexpr std::string_view kNavigation = "gnss.nav";
+inline constexpr std::string_view kNmea = "gnss.nmea";
 inline constexpr std::string_view kImu = "imu.csv";
 inline constexpr std::string_view kScenario = "scenario.yaml";
 }  // namespace run_file

@@ -8,7 +8,9 @@
 
 #include "core/error.h"
 #include "scenarios/imu_log.h"
+#include "scenarios/nmea.h"
 #include "scenarios/output_folder.h"
+#include "scenarios/rinex.h"
 #include "scenarios/run_files.h"
 #include "scenarios/text_io.h"
 #include "scenarios/yaml_parameters.h"
@@ -82,8 +84,11 @@ std::string gnss_csv(const std::vector<GnssFix>& fixes, const GeodeticPoint& ori
           {at.latitude_rad * kDegreesPerRadian, at.longitude_rad * kDegreesPerRadian, at.height_m});
       append(text, ',', {p.x(), p.y(), p.z(), v.x(), v.y(), v.z()});
       append(text, ',', {sigma[0], sigma[1], sigma[2], sigma_v[0], sigma_v[1], sigma_v[2]});
+      append(text, ',', {fix.hdop, fix.vdop});
+      text += fix.state == FixState::two_dimensional ? ",2d" : ",3d";
     } else {
-      text.append(15, ',');
+      text.append(17, ',');
+      text += ",none";
     }
     text += '\n';
   }
@@ -108,6 +113,20 @@ Json event_json(const EventResult& result) {
           {"relocalized", result.relocalized},
           {"relocalization_s", to_json(result.relocalization_s)},
           {"relocalization_distance_m", to_json(result.relocalization_distance_m)}};
+}
+
+void write_gnss_files(const RunResult& result, const fs::path& folder) {
+  const RinexHeader header{.marker = result.scenario,
+                           .approximate_ecef_m = result.antenna_ecef_m,
+                           .interval = result.epochs.size() < 2
+                                           ? Duration{0}
+                                           : result.epochs[1].time - result.epochs[0].time};
+  write_text_file(folder / run_file::kObservations,
+                  rinex_observations(header, result.epochs, result.gps_start));
+  write_text_file(
+      folder / run_file::kNavigation,
+      rinex_navigation(result.satellites.messages, result.satellites.ionosphere, result.gps_start));
+  write_text_file(folder / run_file::kNmea, nmea(result.fixes, result.gps_start));
 }
 
 }  // namespace
@@ -144,6 +163,7 @@ void write_results(const RunResult& result, const fs::path& folder,
   write_text_file(pending.path() / run_file::kEstimateTum, tum_text(result.estimates));
   write_text_file(pending.path() / run_file::kEstimate, estimate_csv(result.estimates));
   write_text_file(pending.path() / run_file::kGnss, gnss_csv(result.fixes, result.origin));
+  write_gnss_files(result, pending.path());
   write_text_file(pending.path() / run_file::kImu, imu_log_csv(result.imu));
   write_text_file(pending.path() / run_file::kScenario, result.scenario_yaml);
   if (add_files) add_files(pending.path());

@@ -10,6 +10,7 @@
 #include "core/geodesy.h"
 #include "core/messages.h"
 #include "localization/localizer.h"
+#include "scenarios/satellite_broadcast.h"
 #include "scenarios/scoring/criteria.h"
 #include "scenarios/scoring/score_input.h"
 #include "scenarios/scoring/scores.h"
@@ -41,6 +42,11 @@ struct RunResult {
   std::vector<TruthSample> truth;
   std::vector<localization::Estimate> estimates;
   std::vector<GnssFix> fixes;
+  std::vector<GnssEpoch> epochs;
+  SatelliteBroadcast satellites;
+  /// GPS time at Stamp{}, and where the antenna was at the first epoch, about.
+  sim::GpsTime gps_start;
+  Vector3d antenna_ecef_m = Vector3d::Zero();
   std::vector<ImuSample> imu;
   RunScores scores;
   std::vector<CriterionResult> criteria;
@@ -48,8 +54,8 @@ struct RunResult {
 
   /// Every criterion met, and there was an estimate at all.
   [[nodiscard]] bool passed() const;
-  /// Of the bits of truth, estimates (pose, velocity, covariance, biases, state), fixes and
-  /// scores: the same for the same seed, whatever the number of threads.
+  /// Of the bits of truth, estimates (pose, velocity, covariance, biases, state), fixes, raw epochs
+  /// and scores: the same for the same seed, whatever the number of threads.
   [[nodiscard]] std::string hash() const;
 };
 
@@ -58,10 +64,11 @@ struct RunResult {
 /// which will be replaced. Changes nothing. Throws InputError saying what to do otherwise.
 void prepare_output_folder(const std::filesystem::path& folder);
 
-/// Writes scores.json, truth.tum, estimate.tum, estimate.csv, gnss.csv, imu.csv and scenario.yaml,
-/// all or nothing: they are written beside `folder`, then renamed into its place; an earlier run's
-/// folder is replaced. `add_files` may put further files (pictures, *.png) into the folder given to
-/// it. Throws InputError as prepare_output_folder() does, or where the disk is full.
+/// Writes scores.json, truth.tum, estimate.tum, estimate.csv, gnss.csv, gnss.obs and gnss.nav
+/// (RINEX 3.04), gnss.nmea, imu.csv and scenario.yaml, all or nothing: they are written beside
+/// `folder`, then renamed into its place; an earlier run's folder is replaced. `add_files` may put
+/// further files (pictures, *.png) into the folder given to it. Throws InputError as
+/// prepare_output_folder() does, or where the disk is full.
 void write_results(
     const RunResult& result, const std::filesystem::path& folder,
     const std::function<void(const std::filesystem::path& folder)>& add_files = nullptr);

@@ -59,10 +59,18 @@ RunResult score_record(const Scenario& scenario, const Stage& stage, RunRecord r
   result.scenario_yaml = to_yaml(scenario);
   result.origin = stage.world.origin;
   result.cost = summarise(record.cost, record.simulated_s);
-  result.truth = std::move(record.truth);
   result.estimates = std::move(record.estimates);
   result.fixes = std::move(record.fixes);
+  result.epochs = std::move(record.epochs);
+  result.satellites = std::move(record.satellites);
+  result.gps_start = scenario.gps_start();
+  const Vector3d& antenna_in_vehicle_m = scenario.sensors.gnss.mount.position_m;
+  result.antenna_ecef_m = LocalFrame(result.origin)
+                              .to_ecef(record.truth.empty() ? antenna_in_vehicle_m
+                                                            : record.truth.front().T_map_vehicle *
+                                                                  antenna_in_vehicle_m);
   result.imu = std::move(record.imu);
+  result.truth = std::move(record.truth);
   return result;
 }
 

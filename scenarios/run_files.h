@@ -19,7 +19,7 @@ inline constexpr std::string_view kEstimateHeader =
     "sigma_roll_deg,sigma_pitch_deg,sigma_yaw_deg,state";
 inline constexpr std::string_view kGnssHeader =
     "t_s,valid,satellites,latitude_deg,longitude_deg,height_m,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,"
-    "sigma_x_m,sigma_y_m,sigma_z_m,sigma_vx_m_s,sigma_vy_m_s,sigma_vz_m_s";
+    "sigma_x_m,sigma_y_m,sigma_z_m,sigma_vx_m_s,sigma_vy_m_s,sigma_vz_m_s,hdop,vdop,state";
 
 /// What a run's folder tells about it.
 struct RunFiles {

@@ -48,6 +48,18 @@ void add(Hash& hash, const GnssFix& fix) {
   add_matrix(hash, fix.velocity_covariance_m2_s2);
 }
 
+void add(Hash& hash, const GnssEpoch& epoch) {
+  add(hash, epoch.time);
+  for (const GnssObservation& observation : epoch.observations) {
+    hash.add(static_cast<std::uint64_t>(observation.satellite.system));
+    hash.add(static_cast<std::int64_t>(observation.satellite.number));
+    hash.add(observation.pseudorange_m);
+    hash.add(observation.doppler_hz);
+    hash.add(observation.cn0_db_hz);
+    hash.add(observation.carrier_cycles);
+  }
+}
+
 void add(Hash& hash, const Score& score) {
   hash.add_bytes(score.name.data(), score.name.size());
   hash.add(static_cast<std::uint64_t>(score.value.has_value()));
@@ -67,6 +79,7 @@ std::string RunResult::hash() const {
   add_all(hash, truth);
   add_all(hash, estimates);
   add_all(hash, fixes);
+  add_all(hash, epochs);
   add_all(hash, scores.scores);
   return hash.hex();
 }

@@ -14,6 +14,7 @@
 #include "scenarios/scoring/criteria.h"
 #include "sim/faults/faults.h"
 #include "sim/gnss/gnss_spec.h"
+#include "sim/gnss/satellites.h"
 #include "sim/imu/imu_spec.h"
 #include "sim/lidar/lidar_spec.h"
 #include "sim/magnetometer/magnetometer_spec.h"
@@ -121,6 +122,8 @@ struct Scenario {
   std::string name;
   std::string about;
   std::uint64_t seed = 1;
+  /// When the drive starts, UTC: places the satellites, and the earth's magnetic field.
+  std::string date = "2026-06-01T04:00:00Z";
   /// 0: until the route's end.
   double duration_s = 0.0;
   /// From the end of a scan to its estimate at the driver.
@@ -136,6 +139,9 @@ struct Scenario {
   MapSetup map;
   LocalizerSetup localizer;
   std::vector<Criterion> expect;
+
+  /// GPS time at Stamp{}.
+  [[nodiscard]] sim::GpsTime gps_start() const { return sim::GpsTime::from_utc(date); }
 };
 
 /// Reads a scenario file. `overrides` are "key.path=value". Files that it names are relative to

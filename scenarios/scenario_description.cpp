@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "scenarios/presets.h"
 #include "scenarios/text_distance.h"
+#include "sim/magnetometer/wmm_coefficients.h"
 
 namespace locsim::scenarios {
 
@@ -70,6 +71,8 @@ void ScenarioDescription::describe(Scenario& scenario) {
   if (scenario.name.empty()) p_.fail("name", "is empty, needs a name");
   p_.text("about", scenario.about);
   unsigned_integer("seed", scenario.seed);
+  p_.text("date", scenario.date);
+  check_date(scenario.date);
   p_.number("duration_s", scenario.duration_s, {.min = 0.0, .max = 1e5});
   // The driver acts every 10 ms; nothing reaches it sooner.
   p_.number("latency_s", scenario.latency_s, {.min = 0.01, .max = 1.0});
@@ -200,6 +203,21 @@ void ScenarioDescription::describe_mount(Mount& mount, MountKeys keys) {
     p_.degrees("yaw_deg", mount.roll_pitch_yaw_rad.z(), {.min = -360.0, .max = 360.0});
   }
   p_.end_group();
+}
+
+void ScenarioDescription::check_date(const std::string& date) {
+  double year = 0.0;
+  try {
+    year = sim::GpsTime::from_utc(date).decimal_year();
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    p_.fail("date", "is '" + date + "', " + message.substr(message.rfind(": ") + 2));
+  }
+  if (year < sim::kWmmEpoch_year || year > sim::kWmmEnd_year) {
+    p_.fail("date", "is '" + date +
+                        "', needs a date from 2025 to 2029: the model of the earth's magnetic field"
+                        " covers no other");
+  }
 }
 
 void ScenarioDescription::check_imu_rate(const Scenario& scenario) {

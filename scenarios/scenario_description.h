@@ -32,6 +32,7 @@ class ScenarioDescription {
   void describe_sensor(std::string_view sensor, SensorSetup<Spec>& setup, MountKeys mount_keys);
   void describe_preset(std::string_view sensor, std::string& preset);
   void describe_mount(Mount& mount, MountKeys keys);
+  void check_date(const std::string& date);
   void check_imu_rate(const Scenario& scenario);
   void check_fault_sensors(const Scenario& scenario);
   void check_weather_times(const Scenario& scenario);

@@ -11,7 +11,7 @@ packages=(
   libassimp-dev libpcl-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev
   libosmesa6-dev libpng-dev libfreetype-dev fonts-dejavu-core
   # tests and benchmarks
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libgtest-dev libgmock-dev libbenchmark-dev rtklib
 )
 for argument in "$@"; do
   case "$argument" in

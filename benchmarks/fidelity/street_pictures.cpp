@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "benchmarks/fidelity/ground_grid.h"
+#include "benchmarks/fidelity/plots.h"
 #include "render/canvas.h"
-#include "render/chart.h"
 #include "render/color_bar.h"
 #include "render/text.h"
 
@@ -26,56 +26,6 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMargin_px = 30.0;
 constexpr double kHeader_px = 80.0;
-constexpr render::Color kReal = render::palette::blue;
-constexpr render::Color kSimulated = render::palette::orange;
-
-/// A chart whose horizontal axis is anything.
-struct Plot {
-  render::ChartPanel panel;
-  std::string x_label;
-  render::Scale x;
-};
-
-void draw_plot(render::Image& image, const render::Typography& typography, const Rect& area,
-               const Plot& plot) {
-  const render::ChartStyle style{
-      .text_px = 16.0, .title_px = 18.0, .left_px = 84.0, .time_labels = false};
-  Rect chart = area;
-  chart.height -= 3.0 * style.text_px;
-  render::draw_chart(image, typography, chart, plot.panel, plot.x, style);
-  const render::ChartFrame frame =
-      render::lay_out_chart(typography, chart, plot.panel, plot.x, style);
-  // As many as the chart has lines.
-  const int ticks = std::clamp(static_cast<int>(frame.plot.width / (6.0 * style.text_px)), 2, 16);
-  for (const double tick : plot.x.ticks(ticks)) {
-    typography.draw(image, plot.x.label(tick, ticks),
-                    {frame.plot.x + plot.x.fraction(tick) * frame.plot.width,
-                     frame.plot.bottom() + 1.4 * style.text_px},
-                    {.size_px = style.text_px, .align_x = render::AlignX::center});
-  }
-  typography.draw(image, plot.x_label,
-                  {frame.plot.center().x(), frame.plot.bottom() + 2.8 * style.text_px},
-                  {.size_px = style.text_px, .align_x = render::AlignX::center});
-}
-
-render::Image draw_plots(std::span<const Plot> plots, int columns, const std::string& title,
-                         int height_px) {
-  constexpr int kWidth_px = 1800;
-  render::Image image(kWidth_px, height_px);
-  const render::Typography typography;
-  typography.draw(image, title, {kMargin_px, 50.0}, {.size_px = 28.0, .bold = true});
-  const int rows = (static_cast<int>(plots.size()) + columns - 1) / columns;
-  const double width = (kWidth_px - 2.0 * kMargin_px) / columns;
-  const double height = (height_px - kHeader_px - kMargin_px) / rows;
-  for (std::size_t i = 0; i < plots.size(); ++i) {
-    const auto column = static_cast<double>(static_cast<int>(i) % columns);
-    const auto row = static_cast<double>(static_cast<int>(i) / columns);
-    draw_plot(image, typography,
-              {kMargin_px + column * width, kHeader_px + row * height, width, height - 10.0},
-              plots[i]);
-  }
-  return image;
-}
 
 /// `points(figures)` gives the curve as pairs of x and y.
 using Curve = std::vector<Vector2d>;
@@ -93,8 +43,8 @@ Plot plot_of(const std::string& title, const std::string& x_label, const std::st
     }
     plot.panel.series.push_back(std::move(series));
   };
-  add("real", real, kReal);
-  add("simulated", simulated, kSimulated);
+  add("real", real, kRealColor);
+  add("simulated", simulated, kSimulatedColor);
   return plot;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace locsim::localization {
 
@@ -30,6 +31,19 @@ ErrorStateFilter::ErrorStateFilter(const Rig& rig, const InertialState& start,
 
 Pose ErrorStateFilter::T_map_vehicle() const {
   return state_.T_map_imu * rig_.T_vehicle_imu.inverse();
+}
+
+Vector3d ErrorStateFilter::velocity_in_vehicle_m_s() const {
+  const Pose T_imu_vehicle = rig_.T_vehicle_imu.inverse();
+  return rig_.T_vehicle_imu.rotation *
+         (state_.T_map_imu.rotation.conjugate() * state_.velocity_m_s +
+          angular_rate_rad_s_.cross(T_imu_vehicle.translation));
+}
+
+void ErrorStateFilter::restore(const FilterBelief& belief) {
+  state_ = belief.state;
+  covariance_ = belief.covariance;
+  angular_rate_rad_s_ = belief.angular_rate_rad_s;
 }
 
 Estimate ErrorStateFilter::vehicle_estimate() const {
@@ -129,18 +143,23 @@ void ErrorStateFilter::inject(const Vector15d& error) {
 template <int N>
 Innovation ErrorStateFilter::update(const Eigen::Matrix<double, N, 1>& residual,
                                     const Eigen::Matrix<double, N, 15>& H,
-                                    const Eigen::Matrix<double, N, N>& noise, double gate) {
+                                    const Eigen::Matrix<double, N, N>& noise, double gate,
+                                    double weight) {
   if (!residual.allFinite() || !noise.allFinite() || !H.allFinite()) return {};
+  using MatrixN = Eigen::Matrix<double, N, N>;
   const Eigen::Matrix<double, 15, N> PHt = covariance_ * H.transpose();
-  const Eigen::LDLT<Eigen::Matrix<double, N, N>> S(H * PHt + noise);
+  Eigen::LLT<MatrixN> S(H * PHt + noise);
   Innovation innovation;
   innovation.d2 = residual.dot(S.solve(residual));
-  innovation.accepted = S.isPositive() && innovation.d2 <= gate;
+  innovation.accepted = S.info() == Eigen::Success && innovation.d2 <= gate;
   if (!innovation.accepted) return innovation;
-  const Eigen::Matrix<double, 15, N> K = S.solve(PHt.transpose()).transpose();
+  const MatrixN weighted = noise / weight;
+  if (weight != 1.0) S.compute(H * PHt + weighted);
+  const MatrixN S_inverse = S.solve(MatrixN::Identity());
+  const Eigen::Matrix<double, 15, N> K = PHt * S_inverse;
   inject(K * residual);
   const Matrix15d keep = Matrix15d::Identity() - K * H;  // Joseph form: stays symmetric, positive
-  covariance_ = (keep * covariance_ * keep.transpose() + K * noise * K.transpose()).eval();
+  covariance_ = (keep * covariance_ * keep.transpose() + K * weighted * K.transpose()).eval();
   return innovation;
 }
 
@@ -154,17 +173,19 @@ Innovation ErrorStateFilter::update_pose(const Pose& T_map_vehicle, const Matrix
 }
 
 Innovation ErrorStateFilter::update_position(const Vector3d& antenna_in_map_m,
-                                             const Matrix3d& covariance, double gate) {
+                                             const Matrix3d& covariance, double gate,
+                                             double weight) {
   const Matrix3d R = state_.T_map_imu.rotation.toRotationMatrix();
   Eigen::Matrix<double, 3, 15> H = Eigen::Matrix<double, 3, 15>::Zero();
   H.middleCols<3>(kPoseRow) = R;
   H.middleCols<3>(kRotationRow) = -R * skew(antenna_in_imu_m_);
   const Vector3d residual = antenna_in_map_m - state_.T_map_imu * antenna_in_imu_m_;
-  return update<3>(residual, H, covariance, gate);
+  return update<3>(residual, H, covariance, gate, weight);
 }
 
 Innovation ErrorStateFilter::update_velocity(const Vector3d& velocity_m_s,
-                                             const Matrix3d& covariance, double gate) {
+                                             const Matrix3d& covariance, double gate,
+                                             double weight) {
   const Matrix3d R = state_.T_map_imu.rotation.toRotationMatrix();
   const Vector3d by_turning = angular_rate_rad_s_.cross(antenna_in_imu_m_);
   Eigen::Matrix<double, 3, 15> H = Eigen::Matrix<double, 3, 15>::Zero();
@@ -172,7 +193,68 @@ Innovation ErrorStateFilter::update_velocity(const Vector3d& velocity_m_s,
   H.middleCols<3>(kVelocityRow) = Matrix3d::Identity();
   H.middleCols<3>(kGyroBiasRow) = R * skew(antenna_in_imu_m_);
   const Vector3d residual = velocity_m_s - state_.velocity_m_s - R * by_turning;
-  return update<3>(residual, H, covariance, gate);
+  return update<3>(residual, H, covariance, gate, weight);
+}
+
+Innovation ErrorStateFilter::update_heading(double yaw_rad, double sigma_rad, double gate,
+                                            double weight) {
+  const Matrix3d R = T_map_vehicle().rotation.toRotationMatrix();
+  // The x axis moves by θy·(−z) + θz·y; its yaw by what of that is across it on the ground.
+  const Eigen::Vector2d x = R.col(0).head<2>();
+  const Eigen::RowVector2d across(-x.y(), x.x());
+  const double ground2 = x.squaredNorm();
+  if (ground2 < 1e-6) return {};
+  Eigen::RowVector3d by_rotation;
+  by_rotation << 0.0, -across.dot(R.col(2).head<2>()) / ground2,
+      across.dot(R.col(1).head<2>()) / ground2;
+  Eigen::Matrix<double, 1, 15> H = Eigen::Matrix<double, 1, 15>::Zero();
+  H.middleCols<3>(kRotationRow) = by_rotation * rig_.T_vehicle_imu.rotation.toRotationMatrix();
+  using Scalar = Eigen::Matrix<double, 1, 1>;
+  const Scalar residual(std::remainder(yaw_rad - std::atan2(x.y(), x.x()), 2.0 * std::numbers::pi));
+  return update<1>(residual, H, Scalar(sigma_rad * sigma_rad), gate, weight);
+}
+
+Eigen::Matrix<double, 3, 15> ErrorStateFilter::vehicle_velocity_jacobian() const {
+  const Matrix3d to_vehicle = rig_.T_vehicle_imu.rotation.toRotationMatrix();
+  const Matrix3d to_imu = state_.T_map_imu.rotation.conjugate().toRotationMatrix();
+  const Vector3d origin_in_imu = rig_.T_vehicle_imu.inverse().translation;
+  Eigen::Matrix<double, 3, 15> H = Eigen::Matrix<double, 3, 15>::Zero();
+  H.middleCols<3>(kRotationRow) = to_vehicle * skew(to_imu * state_.velocity_m_s);
+  H.middleCols<3>(kVelocityRow) = to_vehicle * to_imu;
+  H.middleCols<3>(kGyroBiasRow) = to_vehicle * skew(origin_in_imu);
+  return H;
+}
+
+Innovation ErrorStateFilter::update_along_x(const Eigen::Matrix2d& covariance, double gate,
+                                            double weight) {
+  const Eigen::Vector2d residual = -velocity_in_vehicle_m_s().tail<2>();
+  return update<2>(residual, vehicle_velocity_jacobian().bottomRows<2>(), covariance, gate, weight);
+}
+
+Innovation ErrorStateFilter::update_standing(double velocity_sigma_m_s,
+                                             const Vector3d& mean_rate_rad_s,
+                                             double rate_sigma_rad_s, double gate) {
+  Eigen::Matrix<double, 6, 15> H = Eigen::Matrix<double, 6, 15>::Zero();
+  H.block<3, 3>(0, kVelocityRow) = Matrix3d::Identity();
+  H.block<3, 3>(3, kGyroBiasRow) = Matrix3d::Identity();
+  Vector6d residual;
+  residual << -state_.velocity_m_s, mean_rate_rad_s - state_.gyro_bias_rad_s;
+  Matrix6d noise = Matrix6d::Zero();
+  noise.topLeftCorner<3, 3>() = squared_diagonal(velocity_sigma_m_s);
+  noise.bottomRightCorner<3, 3>() = squared_diagonal(rate_sigma_rad_s);
+  return update<6>(residual, H, noise, gate);
+}
+
+void ErrorStateFilter::take_attitude(const Eigen::Quaterniond& R_map_vehicle,
+                                     const Matrix3d& covariance_rad2) {
+  const Matrix3d to_imu = rig_.T_vehicle_imu.rotation.conjugate().toRotationMatrix();
+  const Matrix3d after = to_imu * covariance_rad2 * to_imu.transpose();
+  const Matrix3d before = covariance_.block<3, 3>(kRotationRow, kRotationRow);
+  const Eigen::Matrix<double, 15, 3> regression =
+      before.llt().solve(covariance_.middleRows<3>(kRotationRow)).transpose();
+  const Vector3d turn = so3::log(T_map_vehicle().rotation.conjugate() * R_map_vehicle);
+  covariance_ += regression * (after - before) * regression.transpose();
+  inject(regression * (to_imu * turn));
 }
 
 void ErrorStateFilter::reset_pose(const Pose& T_map_vehicle, const Matrix6d& covariance) {
@@ -186,6 +268,10 @@ void ErrorStateFilter::reset_pose(const Pose& T_map_vehicle, const Matrix6d& cov
 void ErrorStateFilter::inflate_pose(double sigma_m, double sigma_rad) {
   covariance_.block<3, 3>(kPoseRow, kPoseRow) += squared_diagonal(sigma_m);
   covariance_.block<3, 3>(kRotationRow, kRotationRow) += squared_diagonal(sigma_rad);
+}
+
+void ErrorStateFilter::inflate_velocity(double sigma_m_s) {
+  covariance_.block<3, 3>(kVelocityRow, kVelocityRow) += squared_diagonal(sigma_m_s);
 }
 
 }  // namespace locsim::localization

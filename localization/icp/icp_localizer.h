@@ -51,6 +51,7 @@ class IcpLocalizer final : public Localizer {
   /// Throws InputError without a map or a LIDAR, or with a value out of its limits.
   IcpLocalizer(const LocalizerInputs& inputs, const IcpConfig& config);
 
+  using Localizer::add;
   void add(const ImuSample& sample) override;
   void add(const GnssFix& fix) override;
   void add(const MagneticHeading& heading) override;

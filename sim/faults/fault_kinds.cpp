@@ -7,6 +7,7 @@ namespace locsim::sim {
 namespace {
 
 constexpr Bounds kAnyTurn{.min = -360.0, .max = 360.0};
+constexpr Bounds kSpoofer_db{.min = -30.0, .max = 60.0};
 
 }  // namespace
 
@@ -74,6 +75,44 @@ void ImuLate::describe(Parameters& p) {
 void ImuSaturation::describe(Parameters& p) {
   p.degrees("gyro_range_deg_s", gyro_range_rad_s, kPositive);
   p.number("accelerometer_range_m_s2", accelerometer_range_m_s2, kPositive);
+}
+
+void GnssJamming::describe(Parameters& p) {
+  p.number("jammer_to_signal_db", jammer_to_signal_db, {.min = 0.0, .max = 120.0});
+  p.number("ramp_s", ramp_s, {.min = 0.0, .max = 1e5});
+}
+
+void GnssSpoofingDragOff::describe(Parameters& p) {
+  p.number("advantage_db", advantage_db, kSpoofer_db);
+  p.number("hold_s", hold_s, {.min = 0.0, .max = 1e5});
+  p.vector3("rate_m_s", rate_m_s, {.min = -100.0, .max = 100.0});
+  p.number("clock_rate_m_s", clock_rate_m_s, {.min = -1000.0, .max = 1000.0});
+}
+
+void GnssSpoofingStep::describe(Parameters& p) {
+  p.number("advantage_db", advantage_db, kSpoofer_db);
+  p.vector3("offset_m", offset_m, {.min = -1e5, .max = 1e5});
+  p.number("clock_offset_m", clock_offset_m, {.min = -1e6, .max = 1e6});
+}
+
+void GnssClockJump::describe(Parameters& p) {
+  p.number("jump_s", jump_s, {.min = -0.01, .max = 0.01});
+}
+
+void GnssOverconfident::describe(Parameters& p) {
+  p.number("sigma_factor", sigma_factor, {.min = 1e-6, .max = 1.0});
+}
+
+void GnssFrozen::describe(Parameters& p) {
+  p.flag("new_stamps", new_stamps);
+}
+
+void GnssLate::describe(Parameters& p) {
+  p.number("delay_s", delay_s, {.min = 0.0, .max = 60.0});
+}
+
+void GnssAntennaCut::describe(Parameters& p) {
+  p.number("attenuation_db", attenuation_db, {.min = 0.0, .max = 120.0});
 }
 
 }  // namespace locsim::sim

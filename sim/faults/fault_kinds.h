@@ -111,10 +111,80 @@ struct ImuSaturation {
   void describe(Parameters& p);
 };
 
+/// A jammer comes near: its power over that of a usual signal, 0 dB at first, rises in dB at a
+/// constant rate until `ramp_s` after the start, then stays. It acts as noise.
+struct GnssJamming {
+  static constexpr std::string_view kName = "gnss_jamming";
+  double jammer_to_signal_db = 60.0;
+  double ramp_s = 10.0;
+  void describe(Parameters& p);
+};
+
+/// What a spoofer sends beside every satellite's signal: stronger than it would be under an open
+/// sky, and such that a receiver that takes it believes to be elsewhere.
+struct GnssSpoofing {
+  double advantage_db = 6.0;
+};
+/// It starts in step with the true signals and then pulls the position away.
+struct GnssSpoofingDragOff : GnssSpoofing {
+  static constexpr std::string_view kName = "gnss_spoofing_drag_off";
+  /// For this long it stays in step.
+  double hold_s = 3.0;
+  /// East, north, up, and the clock.
+  Vector3d rate_m_s = Vector3d(0.0, 1.0, 0.0);
+  double clock_rate_m_s = 0.0;
+  void describe(Parameters& p);
+};
+/// It is elsewhere at once.
+struct GnssSpoofingStep : GnssSpoofing {
+  static constexpr std::string_view kName = "gnss_spoofing_step";
+  Vector3d offset_m = Vector3d(0.0, 100.0, 0.0);
+  double clock_offset_m = 0.0;
+  void describe(Parameters& p);
+};
+
+/// The receiver's clock jumps, and jumps back at the end: pseudoranges step, Dopplers do not.
+struct GnssClockJump {
+  static constexpr std::string_view kName = "gnss_clock_jump";
+  double jump_s = 1e-6;
+  void describe(Parameters& p);
+};
+
+/// The sigmas that the receiver claims are these times what it computes.
+struct GnssOverconfident {
+  static constexpr std::string_view kName = "gnss_overconfident";
+  double sigma_factor = 0.1;
+  void describe(Parameters& p);
+};
+
+/// The last fix before the fault comes again and again, with new stamps or with its own.
+struct GnssFrozen {
+  static constexpr std::string_view kName = "gnss_frozen";
+  bool new_stamps = true;
+  void describe(Parameters& p);
+};
+
+/// Fixes and raw epochs arrive late, with their true stamps.
+struct GnssLate {
+  static constexpr std::string_view kName = "gnss_late";
+  double delay_s = 1.0;
+  void describe(Parameters& p);
+  [[nodiscard]] Duration delay() const { return duration_from_seconds(delay_s); }
+};
+
+/// The antenna's cable breaks: all signals are weakened by this much.
+struct GnssAntennaCut {
+  static constexpr std::string_view kName = "gnss_antenna_cut";
+  double attenuation_db = 60.0;
+  void describe(Parameters& p);
+};
+
 /// Every fault there is: a new one is a struct here, its name in this list, and a place that asks
 /// for it.
 using FaultKind =
     std::variant<GnssOutage, LidarBlackout, LidarDirt, LidarFrozen, LidarStamps, LidarKnock,
-                 ImuStuckAxis, ImuBiasJump, ImuDropout, ImuLate, ImuSaturation>;
+                 ImuStuckAxis, ImuBiasJump, ImuDropout, ImuLate, ImuSaturation, GnssJamming,
+                 GnssSpoofingDragOff, GnssSpoofingStep, GnssClockJump, GnssOverconfident,
+                 GnssFrozen, GnssLate, GnssAntennaCut>;
 
 }  // namespace locsim::sim

@@ -64,6 +64,10 @@ const EarthModel& earth_model(GnssSystem system) {
   return kGps;
 }
 
+bool is_geostationary(SatelliteId id) {
+  return id.system == GnssSystem::beidou && (id.number <= 5 || id.number >= 59);
+}
+
 double KeplerEphemeris::toe_of_system_week_s() const {
   return to_seconds(
       (id.system == GnssSystem::beidou ? toe - kBeidouBehindGps : toe + Duration::zero()).of_week);
@@ -100,7 +104,8 @@ SatelliteState evaluate(const KeplerEphemeris& e, GpsTime time) {
                              e.cis_rad * sin2 + e.cic_rad * cos2;
   const double inclination_rate =
       e.inclination_rate_rad_s + rate2 * (e.cis_rad * cos2 - e.cic_rad * sin2);
-  const double node_rate = e.node_rate_rad_s - earth.rotation_rad_s;
+  const bool is_tilted = is_geostationary(e.id);
+  const double node_rate = e.node_rate_rad_s - (is_tilted ? 0.0 : earth.rotation_rad_s);
   const double node =
       e.node_rad + node_rate * since_toe_s - earth.rotation_rad_s * e.toe_of_system_week_s();
 
@@ -117,6 +122,15 @@ SatelliteState evaluate(const KeplerEphemeris& e, GpsTime time) {
   state.velocity_ecef_m_s = radius_rate * outward + radius_m * u_rate * along +
                             radius_m * std::sin(u) * inclination_rate * normal +
                             node_rate * Vector3d::UnitZ().cross(state.position_ecef_m);
+  if (is_tilted) {
+    const Eigen::Matrix3d turn =
+        (Eigen::AngleAxisd(-earth.rotation_rad_s * since_toe_s, Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(kBeidouStationaryTilt_rad, Vector3d::UnitX()))
+            .toRotationMatrix();
+    state.position_ecef_m = turn * state.position_ecef_m;
+    state.velocity_ecef_m_s = turn * state.velocity_ecef_m_s -
+                              earth.rotation_rad_s * Vector3d::UnitZ().cross(state.position_ecef_m);
+  }
   return state;
 }
 

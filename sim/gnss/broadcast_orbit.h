@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <variant>
 
 #include "sim/gnss/satellites.h"
@@ -17,9 +18,14 @@ struct EarthModel {
 
 [[nodiscard]] const EarthModel& earth_model(GnssSystem system);
 
-/// Orbit of GPS, Galileo, or BeiDou other than its geostationary satellites (whose orbits are given
-/// in an inclined frame): the parameters and the algorithm of IS-GPS-200, table 20-IV. Good for
-/// hours about `toe`.
+/// Whether a satellite is one of BeiDou's geostationary ones (C01 to C05, C59 to C63): their
+/// messages count the node from axes that stand still after toe and are tilted about x, so that the
+/// inclination is not near 0 (BeiDou open service ICD B1I; as RTKLIB has it).
+[[nodiscard]] bool is_geostationary(SatelliteId id);
+inline constexpr double kBeidouStationaryTilt_rad = 5.0 * std::numbers::pi / 180.0;
+
+/// Orbit of GPS, Galileo or BeiDou: the parameters and the algorithm of IS-GPS-200, table 20-IV,
+/// for BeiDou's geostationary satellites in their tilted axes. Good for hours about `toe`.
 struct KeplerEphemeris {
   SatelliteId id;
   GpsTime toe;

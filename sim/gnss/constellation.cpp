@@ -36,6 +36,7 @@ constexpr Shell kBeidouMedium{GnssSystem::beidou,    27906e3, 55.0 * kDegree, 13
                               "2020-01-01T00:00:00Z"};
 constexpr Shell kBeidouInclined{GnssSystem::beidou,    42164e3, 55.0 * kDegree, 1, 1,
                                 "2020-01-01T00:00:00Z"};
+constexpr Shell kBeidouStationary{GnssSystem::beidou, 42164e3, 0.0, 1, 1, "2020-01-01T00:00:00Z"};
 
 // Wrapped to ±π.
 double wrapped(double angle_rad) {
@@ -135,6 +136,12 @@ void add_beidou(std::vector<RepeatingOrbit>& orbits) {
   // One track through 118° E for the three of them, eight hours apart.
   for (int i = 0; i < 3; ++i)
     orbits.push_back(slot(kBeidouInclined, 38 + i, 118.0 * kDegree + i * kTurn / 3.0, -120.0 * i));
+  // Without inclination the node is anywhere, and the argument of latitude counts from there.
+  constexpr std::array<double, 5> kLongitude_deg{140.0, 80.0, 110.5, 160.0, 58.75};
+  for (std::size_t i = 0; i < kLongitude_deg.size(); ++i) {
+    orbits.push_back(
+        slot(kBeidouStationary, static_cast<int>(i) + 1, kLongitude_deg[i] * kDegree, 0.0));
+  }
 }
 
 void add_system(GnssSystem system, std::vector<RepeatingOrbit>& orbits) {
@@ -178,6 +185,16 @@ KeplerEphemeris kepler_ephemeris(const RepeatingOrbit& orbit, GpsTime toe) {
                                std::sqrt(earth.gravitation_m3_s2 / orbit.radius_m) / orbit.radius_m;
   e.crc_m = orbit.radius_m * twice.radius_share;
   e.cus_rad = twice.argument_rad;
+  if (is_geostationary(orbit.id)) {
+    // The equator as its message's axes have it: 5° up from a node half a turn off.
+    const double longitude_rad = advanced(
+        orbit.node_longitude_rad, orbit.node_rate_rad_s - earth.rotation_rad_s, orbit.epoch, toe);
+    e.inclination_rad = kBeidouStationaryTilt_rad;
+    e.node_rate_rad_s = 0.0;
+    e.node_rad = wrapped(std::numbers::pi + earth.rotation_rad_s * e.toe_of_system_week_s());
+    e.mean_anomaly_rad = wrapped(longitude_rad + e.mean_anomaly_rad - std::numbers::pi);
+    e.mean_motion_excess_rad_s += orbit.node_rate_rad_s;
+  }
   return e;
 }
 

@@ -24,8 +24,9 @@ struct RepeatingOrbit {
 
 /// The satellites of the nominal slots: GPS 24 (SPS Performance Standard 2001, table 3-1, as
 /// G01…G24 in its order), Galileo 24/3/1 (E01…E24), GLONASS 24 (R01…R24, eight a plane), BeiDou
-/// 24/3/1 and three inclined geosynchronous ones (the numbers of BeiDou-3: C19… and C38…C40; none
-/// of its geostationary ones). Where no epoch of a slot table is published (GLONASS, BeiDou), nodes
+/// 24/3/1, three inclined geosynchronous ones (the numbers of BeiDou-3: C19… and C38…C40) and five
+/// geostationary ones (C01 140° E, C02 80° E, C03 110.5° E, C04 160° E, C05 58.75° E, in the plane
+/// of the equator). Where no epoch of a slot table is published (GLONASS, BeiDou), nodes
 /// start from 0° longitude on 2020-01-01: right in spacing, not in which satellite is where.
 class Constellation {
  public:

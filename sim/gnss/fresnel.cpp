@@ -1,5 +1,6 @@
 #include "sim/gnss/fresnel.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -9,14 +10,15 @@ namespace locsim::sim {
 
 namespace {
 
-constexpr RadioMaterial kConcrete{5.24, 0.066};
-constexpr RadioMaterial kGlass{6.31, 0.0066};
+// Scattering: walls of real buildings at 1.3 GHz, S of 0.2 to 0.4 (Degli-Esposti et al. 2007).
+constexpr RadioMaterial kConcrete{5.24, 0.066, false, 0.4};
+constexpr RadioMaterial kGlass{6.31, 0.0066, false, 0.3};
 constexpr RadioMaterial kDryGround{4.0, 1e-5};
-constexpr RadioMaterial kMetal{1.0, 1.45e6};
+constexpr RadioMaterial kMetal{1.0, 1.45e6, false, 0.3};
 // ITU-R P.2040, f in GHz: wood 1.99, 0.0047 f^1.0718.
 constexpr RadioMaterial kWood{1.99, 0.0077};
 // Likewise: brick 3.91, 0.0238 f^0.16.
-constexpr RadioMaterial kBrick{3.91, 0.0256};
+constexpr RadioMaterial kBrick{3.91, 0.0256, false, 0.4};
 constexpr RadioMaterial kFoliage{1.0, 0.0, true};
 
 struct Named {
@@ -37,6 +39,7 @@ constexpr std::array kNamed = {
     Named{"glass", kGlass},
     Named{"window_frame", kWood},
     Named{"roof_tile", kBrick},
+    Named{"coated_glass", kMetal},
     Named{"metal", kMetal},
     Named{"metal_painted", kMetal},
     Named{"metal_galvanised", kMetal},
@@ -78,6 +81,17 @@ CircularReflection reflect_circular(const RadioMaterial& material, double grazin
   const LinearReflection linear = reflect_linear(material, grazing_rad, wavelength_m);
   return {.co = 0.5 * (linear.horizontal + linear.vertical),
           .cross = 0.5 * (linear.horizontal - linear.vertical)};
+}
+
+CircularReflection reflect_rough(const RadioMaterial& material, double grazing_rad,
+                                 double wavelength_m) {
+  CircularReflection reflection = reflect_circular(material, grazing_rad, wavelength_m);
+  const double power = std::norm(reflection.co) + std::norm(reflection.cross);
+  const double scattered = material.scattering * material.scattering;
+  const double left = std::sqrt(std::max(0.0, 1.0 - scattered / power));
+  reflection.co *= left;
+  reflection.cross *= left;
+  return reflection;
 }
 
 double knife_edge_loss_db(double v) {

@@ -16,12 +16,15 @@ struct RadioMaterial {
   double conductivity_s_m = 0.066;
   /// Of twigs and leaves: lets waves through, weakened, and has no face to mirror them.
   bool is_foliage = false;
+  /// S: the square of it is the share of the power falling on a wall of it that is scattered all
+  /// ways.
+  double scattering = 0.0;
 };
 
 /// At 1.6 GHz, by the name of a material of the world (`town_materials()` or a mesh file's).
 /// Concrete and glass after ITU-R P.2040, dry ground and steel after Hannah (2001); masonry, tiles
-/// and road count as concrete, lacquered sheet as the metal under it. What is not known counts as
-/// concrete.
+/// and road count as concrete, lacquered sheet as the metal under it, coated panes as the metal on
+/// them. What is not known counts as concrete.
 [[nodiscard]] RadioMaterial radio_material(std::string_view name);
 
 /// Amplitude and phase of the reflected field over the incoming one.
@@ -43,6 +46,11 @@ struct CircularReflection {
 };
 [[nodiscard]] CircularReflection reflect_circular(const RadioMaterial& material, double grazing_rad,
                                                   double wavelength_m);
+
+/// What a wall that scatters leaves to the mirror's direction: √(1 − S²/Γ²) of the field, Γ² the
+/// share of power that a smooth one would reflect; nothing where it scatters more than that.
+[[nodiscard]] CircularReflection reflect_rough(const RadioMaterial& material, double grazing_rad,
+                                               double wavelength_m);
 
 /// What a knife edge takes from a signal [dB], by Fresnel's parameter: positive in the shadow, 0
 /// on its boundary; ITU-R P.526-15 eq. (31), nothing where v ≤ −0.78.

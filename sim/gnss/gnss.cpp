@@ -1,73 +1,56 @@
 #include "sim/gnss/gnss.h"
 
-#include <cmath>
-
+#include "core/parameters.h"
 #include "sim/sample_times.h"
 
 namespace locsim::sim {
 
-Gnss::Gnss(const GnssSpec& spec, const Vector3d& antenna_in_vehicle_m, std::uint64_t seed)
+Gnss::Gnss(const GnssSpec& spec, const Vector3d& antenna_in_vehicle_m, const World& world,
+           const RayScene& scene, const LocalFrame& frame, GpsTime start, std::uint64_t seed,
+           const Faults& faults)
     : spec_((check_parameters(spec, "gnss"), spec)),
-      antenna_in_vehicle_m_(antenna_in_vehicle_m),
-      sky_(spec.elevation_mask_rad),
-      position_wander_(MarkovNoise::gauss_markov(seed, "gnss/position/wander",
-                                                 spec.correlation_time_s, spec.period())),
-      position_white_(seed, "gnss/position/white"),
-      velocity_white_(seed, "gnss/velocity/white") {}
+      frame_(frame),
+      faults_(faults),
+      receiver_(spec_, antenna_in_vehicle_m, world, scene, frame, start, seed, faults),
+      navigation_(spec_.solution) {}
 
-void Gnss::sample(const Trajectory& trajectory, const SkyBlocked& is_blocked,
-                  const LocalFrame& frame, Stamp from, Stamp to, std::vector<GnssFix>& out) {
-  const Vector3d correlated_m(spec_.horizontal_correlated_m, spec_.horizontal_correlated_m,
-                              spec_.vertical_correlated_m);
-  const Vector3d white_m(spec_.horizontal_white_m, spec_.horizontal_white_m,
-                         spec_.vertical_white_m);
-  const Vector3d velocity_m_s(spec_.velocity_horizontal_m_s, spec_.velocity_horizontal_m_s,
-                              spec_.velocity_vertical_m_s);
+void Gnss::sample(const Trajectory& trajectory, Stamp from, Stamp to,
+                  std::vector<GnssOutput>& out) {
   const SampleTimes times{.start = trajectory.start(), .period = spec_.period()};
   for (std::int64_t k = times.first_after(from); times[k] <= to; ++k) {
-    const TruthState truth = trajectory.at(times[k]);
-    const Vector3d antenna_map = truth.T_map_vehicle * antenna_in_vehicle_m_;
-    const SkyView view = sky_.view(antenna_map, is_blocked, times[k]);
-
-    GnssFix& fix = out.emplace_back();
-    fix.time = times[k];
-    fix.satellites = static_cast<int>(std::lround(spec_.satellites_open_sky * view.visible_share));
-    const bool usable =
-        fix.satellites >= spec_.satellites_min && view.dilution.maxCoeff() <= spec_.dilution_max;
-    fix.valid = tracks(usable, fix.time);
-    if (!fix.valid) continue;
-
-    Vector3d position_error_m = Vector3d::Zero();
-    Vector3d velocity_error_m_s = Vector3d::Zero();
-    if (spec_.noise) {
-      const auto index = static_cast<std::uint64_t>(k);
-      position_error_m =
-          view.dilution.cwiseProduct(correlated_m.cwiseProduct(position_wander_.at(k)) +
-                                     white_m.cwiseProduct(position_white_.gaussian3(index)));
-      velocity_error_m_s =
-          view.dilution.cwiseProduct(velocity_m_s.cwiseProduct(velocity_white_.gaussian3(index)));
+    GnssOutput output = epoch(trajectory, times, k);
+    if (const GnssFrozen* frozen = faults_.active<GnssFrozen>(times[k]); frozen && last_) {
+      output = *last_;
+      if (frozen->new_stamps) {
+        output.raw.receiver_time += times[k] - output.raw.time;
+        output.fix.time = output.raw.time = times[k];
+      }
+    } else {
+      last_ = output;
     }
-    const Vector3d lever_velocity_m_s =
-        truth.T_map_vehicle.rotation * truth.angular_rate_rad_s.cross(antenna_in_vehicle_m_);
-    fix.position = frame.to_geodetic(antenna_map + position_error_m);
-    fix.velocity_enu_m_s = truth.velocity_m_s + lever_velocity_m_s + velocity_error_m_s;
-    fix.position_covariance_m2 =
-        (view.dilution.cwiseAbs2().cwiseProduct(correlated_m.cwiseAbs2() + white_m.cwiseAbs2()))
-            .asDiagonal();
-    fix.velocity_covariance_m2_s2 =
-        view.dilution.cwiseProduct(velocity_m_s).cwiseAbs2().asDiagonal();
+    output.delivered = times[k] + spec_.latency();
+    if (const GnssLate* late = faults_.active<GnssLate>(times[k])) {
+      output.delivered += late->delay();
+    }
+    out.push_back(std::move(output));
   }
 }
 
-bool Gnss::tracks(bool sky_is_usable, Stamp time) {
-  if (!sky_is_usable) {
-    tracking_ = false;
-    regained_.reset();
-  } else if (!tracking_) {
-    if (!regained_) regained_ = time;
-    tracking_ = time - *regained_ >= duration_from_seconds(spec_.reacquisition_s);
+GnssOutput Gnss::epoch(const Trajectory& trajectory, const SampleTimes& times, std::int64_t k) {
+  if (!believed_) {
+    // It has been running: it knows where it is.
+    believed_ = frame_.to_geodetic(receiver_.antenna(trajectory, times.start).position_map_m);
   }
-  return tracking_;
+  GnssOutput output;
+  output.raw = receiver_.measure(trajectory, times, k, believed_);
+  output.fix = navigation_.fix(output.raw);
+  if (output.fix.valid) believed_ = output.fix.position;
+  if (const GnssOverconfident* claim = faults_.active<GnssOverconfident>(times[k])) {
+    const double factor = claim->sigma_factor * claim->sigma_factor;
+    output.fix.position_covariance_m2 *= factor;
+    output.fix.velocity_covariance_m2_s2 *= factor;
+  }
+  return output;
 }
 
 }  // namespace locsim::sim

@@ -6,46 +6,57 @@
 
 #include "core/geodesy.h"
 #include "core/messages.h"
-#include "core/random.h"
+#include "sim/faults/faults.h"
+#include "sim/gnss/gnss_receiver.h"
 #include "sim/gnss/gnss_spec.h"
-#include "sim/gnss/sky.h"
-#include "sim/markov_noise.h"
+#include "sim/gnss/navigation.h"
 #include "sim/trajectory.h"
 
 namespace locsim::sim {
 
-/// A GNSS receiver that delivers solutions of its own. Their errors are statistical: what the sky
-/// leaves visible sets the number of satellites, scales the errors axis by axis by the geometry of
-/// the open directions, and takes the fix away. The claimed covariance is that of the errors
-/// drawn. Axes are those of the map frame, which serve as east, north, up within a few kilometres
-/// of its origin.
+/// What a receiver hands out for one epoch, and when.
+struct GnssOutput {
+  Stamp delivered;
+  GnssFix fix;
+  GnssEpoch raw;
+};
+
+/// A GNSS receiver in the scene, whole: it measures satellites' signals on all their ways to the
+/// antenna (GnssReceiver) and computes its own position, velocity and covariance (Navigation).
+/// Nothing of the truth but what reached the antenna gets into its messages.
 class Gnss {
  public:
-  /// Throws InputError where `spec` is out of its limits.
-  Gnss(const GnssSpec& spec, const Vector3d& antenna_in_vehicle_m, std::uint64_t seed);
+  using Truth = SignalTruth;
 
-  /// Appends every epoch in (from, to], with or without a fix, to ≤ trajectory.end(). Epochs are
-  /// at trajectory.start() + k·period, k = 1, 2, … Calls go forward in time; how they cut it makes
-  /// no difference. The receiver has been tracking when the trajectory starts. An outage is an
-  /// `is_blocked` that answers true throughout.
-  void sample(const Trajectory& trajectory, const SkyBlocked& is_blocked, const LocalFrame& frame,
-              Stamp from, Stamp to, std::vector<GnssFix>& out);
+  /// `start`: GPS time at Stamp{}. `world` and `scene` must outlive it. Throws InputError where
+  /// `spec` is out of its limits.
+  Gnss(const GnssSpec& spec, const Vector3d& antenna_in_vehicle_m, const World& world,
+       const RayScene& scene, const LocalFrame& frame, GpsTime start, std::uint64_t seed,
+       const Faults& faults = {});
+
+  /// Appends what the epochs in (from, to] give, to ≤ trajectory.end(), with or without a fix.
+  /// Epochs are at trajectory.start() + k·period, k = 1, 2, … Calls go forward in time; how they
+  /// cut it makes no difference. The receiver has been tracking when the trajectory starts.
+  void sample(const Trajectory& trajectory, Stamp from, Stamp to, std::vector<GnssOutput>& out);
 
   [[nodiscard]] const GnssSpec& spec() const { return spec_; }
+  [[nodiscard]] const GnssReceiver& receiver() const { return receiver_; }
+  /// Of the last epoch.
+  [[nodiscard]] const std::vector<Truth>& last_truth() const { return receiver_.truth(); }
 
  private:
-  /// Whether a fix comes out of an epoch whose sky would do for one.
-  [[nodiscard]] bool tracks(bool sky_is_usable, Stamp time);
+  [[nodiscard]] GnssOutput epoch(const Trajectory& trajectory, const SampleTimes& times,
+                                 std::int64_t k);
 
   GnssSpec spec_;
-  Vector3d antenna_in_vehicle_m_;
-  Sky sky_;
-  MarkovNoise position_wander_;
-  RandomStream position_white_;
-  RandomStream velocity_white_;
-  bool tracking_ = true;
-  /// First usable epoch after the loss.
-  std::optional<Stamp> regained_;
+  LocalFrame frame_;
+  Faults faults_;
+  GnssReceiver receiver_;
+  Navigation navigation_;
+  /// Where the receiver last believed to be.
+  std::optional<GeodeticPoint> believed_;
+  /// The last output before what freezes it.
+  std::optional<GnssOutput> last_;
 };
 
 }  // namespace locsim::sim

@@ -120,6 +120,14 @@ Reflector join(std::span<const Facet> facets, std::span<const TriangleMesh* cons
     joined.normal = normals.normalized();
     joined.center /= joined.area_m2;
   }
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    if (surface_m2[surface[i]] < kLeastArea_m2) continue;
+    for (int c = 0; c < 3; ++c) {
+      const Vector3d p = meshes[facets[i].mesh]->corner(facets[i].triangle, c);
+      joined.unevenness_m =
+          std::max(joined.unevenness_m, std::abs(joined.normal.dot(p - joined.center)));
+    }
+  }
   return joined;
 }
 
@@ -144,15 +152,15 @@ Reflectors::Reflectors(std::span<const TriangleMesh* const> meshes,
   }
 }
 
-std::vector<Reflector> Reflectors::near(const Vector3d& point, double reach_m) const {
-  std::vector<Reflector> found;
+std::vector<const Reflector*> Reflectors::near(const Vector3d& point, double reach_m) const {
+  std::vector<const Reflector*> found;
   for (const Cell& cell : cells_) {
     if (cell.bounds.isEmpty() || cell.bounds.exteriorDistance(point) > reach_m) continue;
     for (std::size_t i = cell.begin; i < cell.end; ++i) {
       const Reflector& one = reflectors_[i];
       if (one.normal.dot(point - one.center) > 0.0 &&
           one.bounds.exteriorDistance(point) <= reach_m) {
-        found.push_back(one);
+        found.push_back(&one);
       }
     }
   }

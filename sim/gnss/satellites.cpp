@@ -15,20 +15,6 @@ constexpr std::chrono::sys_days kGpsEpoch =
     std::chrono::year{1980} / std::chrono::January / std::chrono::day{6};
 constexpr std::chrono::seconds kLeapSeconds{18};
 
-char letter(GnssSystem system) {
-  switch (system) {
-    case GnssSystem::gps:
-      return 'G';
-    case GnssSystem::glonass:
-      return 'R';
-    case GnssSystem::galileo:
-      return 'E';
-    case GnssSystem::beidou:
-      return 'C';
-  }
-  return '?';
-}
-
 [[noreturn]] void refuse(std::string_view text, const std::string& problem) {
   throw InputError("date \"" + std::string(text) + "\": " + problem);
 }
@@ -46,11 +32,6 @@ int number(std::string_view digits) {
 }
 
 }  // namespace
-
-std::string SatelliteId::name() const {
-  const std::string digits = std::to_string(number);
-  return letter(system) + std::string(number < 10 ? "0" : "") + digits;
-}
 
 GpsTime GpsTime::operator+(Duration later) const {
   const Duration sum = of_week + later;
@@ -82,6 +63,15 @@ GpsTime GpsTime::from_utc(std::string_view text) {
                                            minutes(minute) + std::chrono::seconds(second) +
                                            kLeapSeconds;
   return GpsTime{} + since_epoch;
+}
+
+double GpsTime::decimal_year() const {
+  using namespace std::chrono;
+  const auto utc = kGpsEpoch + (*this - GpsTime{}) - kLeapSeconds;
+  const year_month_day date(floor<days>(utc));
+  const sys_days begin = date.year() / January / 1;
+  const sys_days end = (date.year() + years(1)) / January / 1;
+  return static_cast<int>(date.year()) + to_seconds(utc - begin) / to_seconds(end - begin);
 }
 
 double GpsTime::seconds() const {

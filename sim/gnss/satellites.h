@@ -1,26 +1,13 @@
 #pragma once
 
 #include <compare>
-#include <cstdint>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/pose.h"
+#include "core/satellite_id.h"
 #include "core/time.h"
 
 namespace locsim::sim {
-
-enum class GnssSystem : std::uint8_t { gps, glonass, galileo, beidou };
-
-/// A satellite as RINEX names it: G01, R24, E36, C30.
-struct SatelliteId {
-  GnssSystem system = GnssSystem::gps;
-  int number = 1;
-
-  [[nodiscard]] std::string name() const;
-  friend auto operator<=>(const SatelliteId&, const SatelliteId&) = default;
-};
 
 inline constexpr Duration kGpsWeek = std::chrono::hours(7 * 24);
 
@@ -37,6 +24,8 @@ struct GpsTime {
   /// Throws InputError unless `text` is "YYYY-MM-DDThh:mm:ssZ" (UTC), from 1980-01-06 to the end of
   /// 2099; leap seconds are those of 2017 on, 18 s, whatever the date.
   [[nodiscard]] static GpsTime from_utc(std::string_view text);
+  /// Year and share of it, UTC.
+  [[nodiscard]] double decimal_year() const;
   /// Since the epoch of GPS time.
   [[nodiscard]] double seconds() const;
 };

@@ -3,7 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <utility>
+
+#include "sim/gnss/bounces.h"
+#include "sim/gnss/direct_path.h"
+#include "sim/gnss/fresnel_zone.h"
+#include "sim/gnss/scatterers.h"
 
 namespace locsim::sim {
 
@@ -13,56 +20,14 @@ namespace {
 constexpr double kSky_m = 1000.0;
 // Off a surface before looking on from it: more than a float of the map frame.
 constexpr double kOff_m = 0.01;
-// What a ray finds against where its plane was thought: reflectors' planes agree to 0.1 m.
+constexpr double kNormalTolerance = 0.998;
+// A reflector that keeps to its plane so closely is a plane.
+constexpr double kFlat_m = 0.005;
+// Two of what Reflectors merges.
 constexpr double kPlaneTolerance_m = 0.15;
-constexpr double kNormalTolerance = 0.999;
-
-// Single trees take 10 to 20 dB at 869 MHz (Vogel and Goldhirsh 1986), 1.3 dB/m of crown, and a
-// third more in dB at 1.6 GHz.
-constexpr double kFoliage_db_m = 1.7;
-constexpr double kFoliageMost_db = 20.0;
-// Leaves further apart belong to different crowns; a single one counts as a thin crown.
-constexpr double kCrownGap_m = 2.0;
-constexpr double kLeaf_m = 0.3;
-constexpr int kLeavesMost = 200;
-
-// Fresnel parameter beyond which the knife edge leaves less than −20 dB.
-constexpr double kDeepShadow_v = 2.25;
-constexpr double kOutOfShadow_v = -0.78;
-
-/// Unit directions across a ray: upwards, right, left.
-std::array<Vector3d, 3> sides_of(const Vector3d& direction) {
-  const Vector3d flat = direction.cross(Vector3d::UnitZ());
-  const Vector3d right = flat.norm() > 1e-6 ? flat.normalized() : Vector3d(Vector3d::UnitX());
-  return {right.cross(direction), right, -right};
-}
-
-double foliage_amplitude(double foliage_m) {
-  return std::pow(10.0, -std::min(kFoliage_db_m * foliage_m, kFoliageMost_db) / 20.0);
-}
-
-/// Where an edge cuts the view to one side of a ray.
-struct Edge {
-  double tangent = 0.0;
-  double range_m = 0.0;
-
-  [[nodiscard]] double v() const { return tangent * std::sqrt(2.0 * range_m / kL1Wavelength_m); }
-};
-
-/// Narrows an edge between a tangent where `range_at` says what is met and one where nothing is.
-template <class RangeAt>
-Edge narrow(double blocked, double range_m, double clear, const RangeAt& range_at) {
-  for (int i = 0; i < 6; ++i) {
-    const double middle = 0.5 * (blocked + clear);
-    if (const std::optional<double> met_m = range_at(middle)) {
-      blocked = middle;
-      range_m = *met_m;
-    } else {
-      clear = middle;
-    }
-  }
-  return {.tangent = 0.5 * (blocked + clear), .range_m = range_m};
-}
+constexpr double kLeastPower = 1e-4;
+// Of a Fresnel zone's points, those that are tried first.
+constexpr std::size_t kProbes = 4;
 
 std::vector<RadioMaterial> radio_materials(const World& world) {
   std::vector<RadioMaterial> radio;
@@ -82,10 +47,22 @@ Reflectors standing_reflectors(const World& world, const std::vector<bool>& is_m
   return {meshes, is_mirror};
 }
 
+Vector3d velocity_at(const Actor& actor, const Vector3d& point, Stamp time) {
+  constexpr Duration kStep{1'000'000};
+  const Vector3d in_actor = actor.pose_at(time).inverse() * point;
+  return (actor.pose_at(time + kStep) * in_actor - actor.pose_at(time - kStep) * in_actor) /
+         (2.0 * to_seconds(kStep));
+}
+
 }  // namespace
 
 double SignalPath::power_db() const {
   return 10.0 * std::log10(std::norm(co) + std::norm(cross));
+}
+
+bool PathFinder::Plane::has(const Mirror& mirror, const Vector3d& turn) const {
+  return mirror.bearer == bearer && mirror.surface->normal.dot(normal) > kNormalTolerance &&
+         std::abs(normal.dot(turn - point)) < kRelief_m;
 }
 
 PathFinder::PathFinder(const World& world, const RayScene& scene)
@@ -98,195 +75,124 @@ PathFinder::PathFinder(const World& world, const RayScene& scene)
   }
 }
 
-PathFinder::Leg PathFinder::walk(const Vector3d& origin, const Vector3d& direction,
-                                 double max_range_m, Stamp time) const {
-  Leg leg;
-  double walked_m = 0.0;
-  while (walked_m < max_range_m && static_cast<int>(leg.leaves_m.size()) < kLeavesMost) {
-    auto hit = scene_.cast(origin + walked_m * direction, direction, time, max_range_m - walked_m);
-    if (!hit) break;
-    hit->range_m += walked_m;
-    if (!radio_[hit->material].is_foliage) {
-      leg.end = hit;
-      break;
-    }
-    leg.leaves_m.push_back(hit->range_m);
-    walked_m = hit->range_m + kOff_m;
-  }
-  return leg;
-}
-
-double PathFinder::foliage_m(const Vector3d& origin, const Vector3d& direction, double max_range_m,
-                             Stamp time) const {
-  // Leaves are few and crowns mostly air: a bundle about as wide as the first Fresnel zone finds
-  // what of a crown lies around the ray.
-  constexpr double kBundle = 0.06;
-  const std::array<Vector3d, 3> side = sides_of(direction);
-  std::vector<double> leaves_m = walk(origin, direction, max_range_m, time).leaves_m;
-  for (int i = 0; i < 6; ++i) {
-    const double angle = std::numbers::pi / 3.0 * i;
-    const Vector3d aside = std::cos(angle) * side[0] + std::sin(angle) * side[1];
-    const Leg leg = walk(origin, (direction + kBundle * aside).normalized(), max_range_m, time);
-    leaves_m.insert(leaves_m.end(), leg.leaves_m.begin(), leg.leaves_m.end());
-  }
-  std::ranges::sort(leaves_m);
-  double depth_m = 0.0;
-  for (std::size_t i = 0; i < leaves_m.size(); ++i) {
-    const bool is_same_crown = i > 0 && leaves_m[i] - leaves_m[i - 1] < kCrownGap_m;
-    depth_m += is_same_crown ? leaves_m[i] - leaves_m[i - 1] : kLeaf_m;
-  }
-  return depth_m;
-}
-
-std::optional<SignalPath> PathFinder::direct(const Vector3d& antenna, const Vector3d& to_satellite,
-                                             Stamp time) const {
-  const Leg leg = walk(antenna, to_satellite, kSky_m, time);
-  const std::array<Vector3d, 3> sides = sides_of(to_satellite);
-  const auto range_towards = [&](const Vector3d& across) {
-    return [&, across](double tangent) -> std::optional<double> {
-      const Vector3d aside = (to_satellite + tangent * across).normalized();
-      const Leg seen = walk(antenna, aside, kSky_m, time);
-      if (!seen.end) return std::nullopt;
-      return seen.end->range_m;
-    };
-  };
-  SignalPath path{.arrival = to_satellite,
-                  .foliage_m = foliage_m(antenna, to_satellite, kSky_m, time)};
-  if (!leg.end) {
-    // An edge beside the ray takes something as long as the ray passes close to it.
-    double worst_db = 0.0;
-    const std::array<Vector3d, 4> around = {sides[0], sides[1], sides[2], -sides[0]};
-    for (const Vector3d& across : around) {
-      const auto range_at = range_towards(across);
-      double clear = 0.0;
-      for (const double tangent : {0.01, 0.02, 0.04, 0.08}) {
-        if (const auto met_m = range_at(tangent)) {
-          const Edge edge = narrow(tangent, *met_m, clear, range_at);
-          worst_db = std::max(worst_db, knife_edge_loss_db(-edge.v()));
-          break;
-        }
-        clear = tangent;
-      }
-    }
-    path.co = foliage_amplitude(path.foliage_m) * std::pow(10.0, -worst_db / 20.0);
-    return path;
-  }
-  path.kind = PathKind::diffracted;
-  std::array<double, 3> amplitude{};
-  double strongest = 0.0;
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const auto range_at = range_towards(sides[i]);
-    double blocked = 0.0;
-    double range_m = leg.end->range_m;
-    constexpr int kSteps = 8;
-    for (int step = 1; step <= kSteps; ++step) {
-      // Squared: dense near the ray, where thin things stand.
-      const double share = static_cast<double>(step) / kSteps;
-      const double tangent =
-          share * share * kDeepShadow_v / std::sqrt(2.0 * leg.end->range_m / kL1Wavelength_m);
-      if (const auto met_m = range_at(tangent)) {
-        blocked = tangent;
-        range_m = *met_m;
-        continue;
-      }
-      const Edge edge = narrow(blocked, range_m, tangent, range_at);
-      if (edge.v() > kDeepShadow_v) break;
-      amplitude[i] = std::pow(10.0, -knife_edge_loss_db(edge.v()) / 20.0);
-      if (amplitude[i] > strongest) {
-        strongest = amplitude[i];
-        const Vector3d to_edge = edge.range_m * (to_satellite + edge.tangent * sides[i]);
-        path.turn = antenna + to_edge;
-        path.arrival = to_edge.normalized();
-        path.excess_m = to_edge.norm() - to_edge.dot(to_satellite);
-      }
-      break;
-    }
-  }
-  // Round both sides of a pole the halves add up to nearly the whole.
-  const double total = std::max(amplitude[0], std::min(1.0, amplitude[1] + amplitude[2]));
-  if (total <= 0.0) return std::nullopt;
-  path.co = total * foliage_amplitude(path.foliage_m);
-  return path;
-}
-
-std::vector<PathFinder::Mirror> PathFinder::mirrors(const Vector3d& antenna, Stamp time) const {
-  std::vector<Mirror> found;
-  for (const Reflector& surface : standing_.near(antenna, kReach_m)) found.push_back({surface});
+Mirrors PathFinder::mirrors(std::vector<const Reflector*> standing, const Vector3d& antenna,
+                            Stamp time) const {
+  std::vector<std::pair<Reflector, std::uint32_t>> moving;
   for (const std::uint32_t i : scene_.actors_near(antenna, kReach_m, time, time)) {
     const Actor& actor = scene_.actors()[i];
     const Pose T_map_actor = actor.pose_at(time);
-    const Vector3d antenna_in_actor = T_map_actor.inverse() * antenna;
-    for (Reflector surface : shapes_[actor.shape].near(antenna_in_actor, kReach_m)) {
-      Eigen::AlignedBox3d bounds;
-      for (int corner = 0; corner < 8; ++corner) {
-        bounds.extend(T_map_actor * Vector3d(surface.bounds.corner(
-                                        static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
-      }
-      surface.bounds = bounds;
-      surface.center = T_map_actor * surface.center;
-      surface.normal = T_map_actor.rotation * surface.normal;
-      found.push_back({.surface = surface, .actor = i});
+    for (const Reflector* one :
+         shapes_[actor.shape].near(T_map_actor.inverse() * antenna, kReach_m)) {
+      moving.emplace_back(moved(*one, T_map_actor), i);
     }
   }
-  return found;
+  return {antenna, kReach_m, std::move(standing), std::move(moving)};
 }
 
-std::optional<SignalPath> PathFinder::reflect(const Mirror& mirror, const Vector3d& antenna,
-                                              const Vector3d& to_satellite, Stamp time) const {
-  Vector3d normal = mirror.surface.normal;
-  Vector3d on_plane = mirror.surface.center;
-  // Twice: the plane of the reflector finds the triangle, and its own plane the point.
-  double tolerance_m = kPlaneTolerance_m;
-  for (int pass = 0;; ++pass) {
-    const double off_m = normal.dot(antenna - on_plane);
-    const double sine = normal.dot(to_satellite);
-    if (off_m <= 0.0 || sine <= 1e-3 || off_m > sine * kReach_m) return std::nullopt;
-    // The antenna's image sees the satellite through the point.
-    const Vector3d image = antenna - 2.0 * off_m * normal;
-    const double range_m = off_m / sine;
-    const Vector3d point = image + range_m * to_satellite;
-    if (pass == 0 && mirror.surface.bounds.exteriorDistance(point) > kPlaneTolerance_m) {
-      return std::nullopt;
+std::vector<SignalPath> PathFinder::reflections(const RadioRays& rays, const Mirrors& mirrors,
+                                                const Vector3d& antenna,
+                                                const Vector3d& to_satellite, Stamp time) const {
+  std::vector<SignalPath> paths;
+  // Cubes, roundings and relief cut a surface into several reflectors: it answers once.
+  std::vector<Plane> known;
+  for (const Mirror& mirror : mirrors.facing(to_satellite)) {
+    const Reflector& surface = *mirror.surface;
+    Plane plane{surface.normal, surface.center, mirror.bearer};
+    const Specular rough(plane.normal, plane.point, antenna, to_satellite);
+    const auto is_this = [&](const Plane& other) { return other.has(mirror, rough.turn); };
+    if (std::ranges::any_of(known, is_this)) continue;
+    if (surface.unevenness_m > kFlat_m) {
+      // The plane of the triangle that is met is the better one.
+      const Vector3d arrival = (rough.turn - antenna) / rough.range_m;
+      const RadioRays::End end =
+          rays.cast(antenna, arrival, rough.range_m + kPlaneTolerance_m / rough.sine + kOff_m);
+      const Vector3d met = antenna + std::min(end.range_m, kSky_m) * arrival;
+      if (end.actor != mirror.bearer || !end.is_met() ||
+          end.normal.dot(plane.normal) < kNormalTolerance ||
+          std::abs(plane.normal.dot(met - plane.point)) > kPlaneTolerance_m) {
+        continue;
+      }
+      plane.normal = end.normal;
+      plane.point = met;
     }
-    const Vector3d arrival = (point - antenna) / range_m;
-    const Leg leg = walk(antenna, arrival, range_m + tolerance_m / sine + kOff_m, time);
-    if (!leg.end || leg.end->material != mirror.surface.material ||
-        (leg.end->surface == Surface::actor ? leg.end->actor : kStands) != mirror.actor ||
-        leg.end->normal.dot(normal) < kNormalTolerance) {
-      return std::nullopt;
+    known.push_back(plane);
+    auto path = reflect(rays, plane, surface.material, antenna, to_satellite);
+    if (!path) continue;
+    if (mirror.bearer != RadioRays::kStands) {
+      path->surface_velocity_m_s = velocity_at(scene_.actors()[mirror.bearer], path->turn, time);
     }
-    const Vector3d met = antenna + leg.end->range_m * arrival;
-    if (std::abs(normal.dot(met - on_plane)) > tolerance_m) return std::nullopt;
-    if (pass == 0) {
-      normal = leg.end->normal;
-      on_plane = met;
-      continue;
-    }
-    const Vector3d outside = point + kOff_m * normal;
-    if (walk(outside, to_satellite, kSky_m, time).end) return std::nullopt;
-    SignalPath path{.kind = PathKind::reflected,
-                    .excess_m = 2.0 * off_m * sine,
-                    .arrival = arrival,
-                    .turn = point,
-                    .grazing_rad = std::asin(std::min(sine, 1.0)),
-                    .material = mirror.surface.material};
-    path.foliage_m = foliage_m(antenna, arrival, range_m - kOff_m, time) +
-                     foliage_m(outside, to_satellite, kSky_m, time);
-    const double through = foliage_amplitude(path.foliage_m);
-    const CircularReflection reflection =
-        reflect_circular(radio_[path.material], path.grazing_rad, kL1Wavelength_m);
-    path.co = through * reflection.co;
-    path.cross = through * reflection.cross;
-    if (mirror.actor != kStands) {
-      const Actor& actor = scene_.actors()[mirror.actor];
-      constexpr Duration kStep{1'000'000};
-      const Vector3d in_actor = actor.pose_at(time).inverse() * point;
-      path.surface_velocity_m_s =
-          (actor.pose_at(time + kStep) * in_actor - actor.pose_at(time - kStep) * in_actor) /
-          (2.0 * to_seconds(kStep));
-    }
-    return path;
+    paths.push_back(*path);
   }
+  return paths;
+}
+
+std::optional<SignalPath> PathFinder::reflect(const RadioRays& rays, const Plane& plane,
+                                              MaterialId material, const Vector3d& antenna,
+                                              const Vector3d& to_satellite) const {
+  const Specular at(plane.normal, plane.point, antenna, to_satellite);
+  if (at.off_m <= 0.0 || at.sine <= 1e-3 || at.range_m > kReach_m) return std::nullopt;
+  const FresnelZone zone(plane.normal, at.turn, to_satellite, at.range_m);
+  SignalPath path{.kind = PathKind::reflected,
+                  .excess_m = 2.0 * at.off_m * at.sine,
+                  .co = 0.0,
+                  .arrival = (at.turn - antenna) / at.range_m,
+                  .turn = at.turn,
+                  .grazing_rad = std::asin(std::min(at.sine, 1.0)),
+                  .material = material,
+                  .turns = 1};
+  // Neighbours are mostly of one material.
+  std::optional<MaterialId> known_material;
+  CircularReflection reflection;
+  std::vector<double> leaves_before_m;
+  std::vector<double> leaves_behind_m;
+  for (const auto& [first, last] :
+       {std::pair<std::size_t, std::size_t>{0, kProbes}, {kProbes, FresnelZone::kPoints}}) {
+    RayBundle to_plane;
+    for (std::size_t i = first; i < last; ++i) {
+      const Vector3d way = zone.point(i) - antenna;
+      const double range_m = way.norm();
+      // Relief behind the plane is farther by its depth over the sine of the angle it is seen at.
+      to_plane.add(antenna, way / range_m, range_m * (1.0 + kRelief_m / at.off_m));
+    }
+    const RadioRays::Ends met = rays.cast(to_plane, leaves_before_m);
+    struct Patch {
+      MaterialId material = 0;
+      double before_m = 0.0;
+    };
+    std::array<Patch, RayBundle::kMost> patches;
+    RayBundle to_sky;
+    for (std::size_t i = 0; i < to_plane.size; ++i) {
+      if (!met[i].is_met() || met[i].actor != plane.bearer) continue;
+      if (met[i].normal.dot(plane.normal) < kNormalTolerance) continue;
+      const Vector3d point = antenna + met[i].range_m * to_plane.rays[i].direction;
+      const double before_m = plane.normal.dot(point - plane.point);
+      if (std::abs(before_m) > kRelief_m) continue;
+      patches[to_sky.size] = {met[i].material, before_m};
+      to_sky.add(point + kOff_m * plane.normal, to_satellite, kSky_m);
+    }
+    const RadioRays::Ends blocked = rays.cast(to_sky, leaves_behind_m);
+    bool is_dark = true;
+    for (std::size_t i = 0; i < to_sky.size; ++i) {
+      if (blocked[i].is_met()) continue;
+      is_dark = false;
+      if (known_material != patches[i].material) {
+        known_material = patches[i].material;
+        reflection = reflect_rough(radio_[patches[i].material], path.grazing_rad, kL1Wavelength_m);
+      }
+      const auto field =
+          std::polar(1.0, 4.0 * std::numbers::pi * patches[i].before_m * at.sine / kL1Wavelength_m);
+      path.co += field * reflection.co;
+      path.cross += field * reflection.cross;
+    }
+    if (is_dark && first == 0) return std::nullopt;
+  }
+  path.foliage_m = RadioRays::depth_m(leaves_before_m) + RadioRays::depth_m(leaves_behind_m);
+  const double weight =
+      foliage_amplitude(path.foliage_m) / static_cast<double>(FresnelZone::kPoints);
+  path.co *= weight;
+  path.cross *= weight;
+  if (std::norm(path.co) + std::norm(path.cross) < kLeastPower) return std::nullopt;
+  return path;
 }
 
 std::vector<SignalPath> PathFinder::find(const Vector3d& antenna_map, const Vector3d& to_satellite,
@@ -297,20 +203,19 @@ std::vector<SignalPath> PathFinder::find(const Vector3d& antenna_map, const Vect
 std::vector<std::vector<SignalPath>> PathFinder::find(const Vector3d& antenna_map,
                                                       std::span<const Vector3d> to_satellites,
                                                       Stamp time) const {
-  const std::vector<Mirror> around = mirrors(antenna_map, time);
+  std::vector<const Reflector*> standing = standing_.near(antenna_map, kReach_m);
+  const RadioRays rays(scene_, radio_, antenna_map, kSky_m, time);
+  const Scatterers scatterers(rays, radio_, antenna_map, kReach_m);
+  const Bounces bounces(rays, radio_, wall_normals(standing), kReach_m);
+  const Mirrors around = mirrors(std::move(standing), antenna_map, time);
   std::vector<std::vector<SignalPath>> found(to_satellites.size());
   for (std::size_t i = 0; i < to_satellites.size(); ++i) {
-    std::vector<SignalPath>& paths = found[i];
-    if (const auto path = direct(antenna_map, to_satellites[i], time)) paths.push_back(*path);
-    for (const Mirror& mirror : around) {
-      const auto path = reflect(mirror, antenna_map, to_satellites[i], time);
-      if (!path) continue;
-      // A surface cut between cubes or roundings answers once for each of its reflectors.
-      constexpr double kSame_m = 0.05;
-      const bool is_known = std::ranges::any_of(paths, [&](const SignalPath& known) {
-        return known.kind == PathKind::reflected && (known.turn - path->turn).norm() < kSame_m;
-      });
-      if (!is_known) paths.push_back(*path);
+    const Vector3d& to_satellite = to_satellites[i];
+    found[i] = reflections(rays, around, antenna_map, to_satellite, time);
+    std::ranges::copy(bounces.find(antenna_map, to_satellite), std::back_inserter(found[i]));
+    std::ranges::copy(scatterers.find(to_satellite), std::back_inserter(found[i]));
+    if (const auto path = direct_path(rays, antenna_map, to_satellite, kSky_m)) {
+      found[i].insert(found[i].begin(), *path);
     }
   }
   return found;

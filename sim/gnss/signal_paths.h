@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -8,46 +7,27 @@
 #include "core/pose.h"
 #include "core/time.h"
 #include "sim/gnss/fresnel.h"
+#include "sim/gnss/mirrors.h"
+#include "sim/gnss/radio_rays.h"
 #include "sim/gnss/reflectors.h"
+#include "sim/gnss/signal_path.h"
 #include "sim/ray_scene.h"
 #include "sim/world/world.h"
 
 namespace locsim::sim {
 
-enum class PathKind : std::uint8_t { direct, diffracted, reflected };
-
-/// One way from a satellite to an antenna. All in the map frame.
-///
-/// An antenna at velocity v makes `excess_m` change at (to_satellite − arrival)·(v −
-/// surface_velocity_m_s); its phase turns by −2π/λ of that, beside the phase of co and cross.
-struct SignalPath {
-  PathKind kind = PathKind::direct;
-  /// Longer than the straight line by this.
-  double excess_m = 0.0;
-  /// Field that arrives in the sense of rotation it was sent with, and in the other, over that of
-  /// the unobstructed direct path; without the antenna's pattern.
-  std::complex<double> co = 1.0;
-  std::complex<double> cross = 0.0;
-  /// Unit, from the antenna to where the signal comes from.
-  Vector3d arrival = Vector3d::UnitZ();
-  /// Depth of foliage crossed.
-  double foliage_m = 0.0;
-  /// Where it is reflected or bent; nothing on a direct path.
-  Vector3d turn = Vector3d::Zero();
-  /// Of a reflection: angle between ray and surface, what it is of, and how it moves.
-  double grazing_rad = 0.0;
-  MaterialId material = 0;
-  Vector3d surface_velocity_m_s = Vector3d::Zero();
-
-  /// Of both senses together, over the unobstructed direct path.
-  [[nodiscard]] double power_db() const;
-};
-
 /// Finds how signals reach an antenna in a scene: the direct path, clear, through foliage, or bent
-/// over an edge (single knife edge, ITU-R P.526), and first-order specular reflections on flat
-/// surfaces (image method), on what stands and on actors. Panes and walls are opaque; there are no
-/// diffuse, double or diffracted reflections, and no reflection off the car that bears the antenna
-/// unless it is an actor of the scene.
+/// over an edge (single knife edge, ITU-R P.526), first-order specular reflections on flat surfaces
+/// (image method), on what stands and on actors, two or three reflections from wall to wall
+/// (Bounces), and what rough walls scatter (Scatterers). Panes and walls are opaque; there are no
+/// diffracted reflections, and none off the car that bears the antenna unless it is an actor of
+/// the scene.
+///
+/// A reflection comes from the whole of its first Fresnel zone, metres across: sixteen points of
+/// it, spread so that an edge across it weakens as a knife edge does, are tried by rays to the
+/// antenna and to the satellite. What they meet within 0.35 m of the plane (panes behind a wall,
+/// mullions before it) adds its Fresnel coefficient with the phase of its own depth. A facade is
+/// one reflection, which comes and goes over metres, not between its windows.
 ///
 /// Satellites are plane waves: at 20 000 km and a lateral offset ρ of a reflection's turning point
 /// from the direct ray, that errs by ρ²/2R in the excess path: 0.6 mm at 150 m.
@@ -60,8 +40,9 @@ class PathFinder {
 
   PathFinder(const World& world, const RayScene& scene);
 
-  /// Every path with a power of more than about −40 dB, a direct or diffracted one first. None
-  /// where the antenna is cut off. `to_satellite` is a unit vector.
+  /// Every path with a power of more than about −40 dB, scattered ones of −45 dB: a direct or
+  /// diffracted one first, then reflected, then scattered ones. None where the antenna is cut off.
+  /// `to_satellite` is a unit vector.
   [[nodiscard]] std::vector<SignalPath> find(const Vector3d& antenna_map,
                                              const Vector3d& to_satellite, Stamp time) const;
   /// The same for many satellites, looking around the antenna once.
@@ -72,27 +53,23 @@ class PathFinder {
   [[nodiscard]] const Reflectors& standing() const { return standing_; }
 
  private:
-  static constexpr std::uint32_t kStands = ~std::uint32_t{0};
-  struct Mirror {
-    Reflector surface;
-    /// kStands for what is no actor.
-    std::uint32_t actor = kStands;
+  /// A plane that has been looked at for a satellite, and what bears it.
+  struct Plane {
+    Vector3d normal = Vector3d::UnitZ();
+    Vector3d point = Vector3d::Zero();
+    std::uint32_t bearer = 0;
+
+    [[nodiscard]] bool has(const Mirror& mirror, const Vector3d& turn) const;
   };
-  /// How a ray ends, leaves let through.
-  struct Leg {
-    std::optional<Hit> end;
-    std::vector<double> leaves_m;
-  };
-  /// `max_range_m` counts from `origin`, as do the ranges returned.
-  [[nodiscard]] Leg walk(const Vector3d& origin, const Vector3d& direction, double max_range_m,
-                         Stamp time) const;
-  [[nodiscard]] double foliage_m(const Vector3d& origin, const Vector3d& direction,
-                                 double max_range_m, Stamp time) const;
-  [[nodiscard]] std::vector<Mirror> mirrors(const Vector3d& antenna, Stamp time) const;
-  [[nodiscard]] std::optional<SignalPath> direct(const Vector3d& antenna,
-                                                 const Vector3d& to_satellite, Stamp time) const;
-  [[nodiscard]] std::optional<SignalPath> reflect(const Mirror& mirror, const Vector3d& antenna,
-                                                  const Vector3d& to_satellite, Stamp time) const;
+  [[nodiscard]] Mirrors mirrors(std::vector<const Reflector*> standing, const Vector3d& antenna,
+                                Stamp time) const;
+  /// Those of one satellite.
+  [[nodiscard]] std::vector<SignalPath> reflections(const RadioRays& rays, const Mirrors& mirrors,
+                                                    const Vector3d& antenna,
+                                                    const Vector3d& to_satellite, Stamp time) const;
+  [[nodiscard]] std::optional<SignalPath> reflect(const RadioRays& rays, const Plane& plane,
+                                                  MaterialId material, const Vector3d& antenna,
+                                                  const Vector3d& to_satellite) const;
 
   const RayScene& scene_;
   /// By material.

@@ -30,7 +30,7 @@ struct MagneticField {
 /// The claimed sigma knows nothing of that.
 class Magnetometer {
  public:
-  /// `earth_field_map_T` as `earth_field_enu_T(origin, spec.epoch_year)` gives it. `steel` may be
+  /// `earth_field_map_T` as earth_field_enu_T() gives it. `steel` may be
   /// null, or must outlive the magnetometer. Throws InputError where `spec` is out of its limits,
   /// or where the earth's field is so steep (horizontal part below 2 µT, the blackout zones of the
   /// World Magnetic Model) that a compass is of no use.

@@ -26,7 +26,6 @@ void MagnetometerSpec::describe(Parameters& p) {
 void MagnetometerSpec::describe_sheet(Parameters& p) {
   p.number("rate_hz", rate_hz, {.min = 0.1, .max = 1000.0});
   p.flag("noise", noise);
-  p.number("epoch_year", epoch_year, {.min = kWmmEpoch_year, .max = kWmmEnd_year});
   p.degrees("heading_sigma_deg", heading_sigma_rad, {.min = kPositive.min, .max = 90.0});
   p.number("noise_nT_sqrthz", noise_nT_sqrthz, {.min = 0.0, .max = 1e4});
   p.number("range_uT", range_uT, {.min = 1.0, .max = 1e5});

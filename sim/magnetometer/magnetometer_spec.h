@@ -36,8 +36,6 @@ struct MagnetometerSpec {
   double rate_hz = 50.0;
   /// False: the true heading, whatever the effects say; the claim stays.
   bool noise = true;
-  /// When the drive takes place: the earth's field drifts.
-  double epoch_year = 2025.5;
   /// What the unit claims, always.
   double heading_sigma_rad = std::numbers::pi / 180.0;
   /// One-sided density of each axis: a sample's standard deviation is density·√(rate/2).

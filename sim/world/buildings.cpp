@@ -113,7 +113,7 @@ class Row {
     double s = random_.uniform(0.5, 4.0);
     bool is_after_gap = true;
     while (s < side_.length_m() - 6.0) {
-      const double density = town_density(side_.at(s, side_.frontage_m()), seed_);
+      const double density = density_at(side_.at(s, side_.frontage_m()));
       // Mean building of 15 m, mean gap of 8 m: this chance of a gap leaves the share asked for.
       const double leaning = std::clamp(1.6 - 1.2 * density, 0.4, 1.6);
       const double share = std::min(rows_.gap_share, 0.95);
@@ -131,6 +131,10 @@ class Row {
   }
 
  private:
+  [[nodiscard]] double density_at(const Vector2d& place) const {
+    return std::max(town_density(place, seed_), rows_.density_min);
+  }
+
   /// Tries narrower and further back until one fits. Returns where it ends along the street.
   std::optional<double> place(double s, double density, bool is_after_gap, bool is_gap_next) {
     const double wide_m = 8.0 + 17.0 * std::pow(random_.uniform(), 1.5);
@@ -176,7 +180,7 @@ class Row {
     plan.footprint.center =
         side_.at(s, 0.0) + (side_.frontage_m() + plan.room_m + 0.5 * deep_m) * ahead;
     plan.is_free_low = plan.is_free_high = true;
-    plan.density = town_density(plan.footprint.center, seed_);
+    plan.density = density_at(plan.footprint.center);
     if (site_.fits_off_pavement(plan.footprint)) finish(plan);
   }
 
@@ -217,7 +221,11 @@ class Row {
         std::clamp(0.15 + 0.5 * plan.density * block_rise_ +
                        0.35 * plan.density * random_.uniform() + random_.uniform(-0.15, 0.15),
                    0.0, 1.0);
-    plan.height_m = rows_.height_min_m + share * (rows_.height_max_m - rows_.height_min_m);
+    const bool is_low = rows_.low_share > 0.0 && random_.chance(rows_.low_share);
+    const double least_m = is_low ? rows_.low_height_min_m : rows_.height_min_m;
+    const double most_m = is_low ? rows_.low_height_max_m : rows_.height_max_m;
+    plan.height_m = least_m + share * (most_m - least_m);
+    plan.curtain_wall_share = rows_.curtain_wall_share;
     add_building(site_.world.structures, site_.world.interiors, plan, random_);
     site_.taken.insert(plan.footprint);
     site_.add_collider(plan.footprint, plan.foot_m, plan.floor_m + plan.height_m);
@@ -239,12 +247,17 @@ class Row {
 void add_building(TriangleMesh& mesh, TriangleMesh& interiors, const BuildingPlan& plan,
                   RandomSequence& random) {
   const Footprint& base = plan.footprint;
-  const bool is_flat = random.chance(0.25 + 0.25 * plan.density);
+  constexpr double kTower_m = 40.0;
+  const bool is_flat = random.chance(0.25 + 0.25 * plan.density) || plan.height_m >= kTower_m;
   const double roof_m = is_flat
                             ? random.uniform(0.4, 1.1)
                             : std::min(random.uniform(0.35, 0.75) * base.half_extent_m.y() * 1.6,
                                        0.45 * plan.height_m);
-  const FacadeStyle style = draw_facade_style(random, plan.density);
+  FacadeStyle style = draw_facade_style(random, plan.density);
+  if (plan.curtain_wall_share > 0.0 && random.chance(plan.curtain_wall_share)) {
+    style.is_curtain_wall = true;
+    style.spandrel = id(random.chance(0.5) ? TownMaterial::metal_painted : TownMaterial::concrete);
+  }
   const Storeys storeys = draw_storeys(plan, plan.height_m - roof_m, random);
   const auto corners = base.corners();
   const auto wall = [&](std::size_t from, const Vector2d& right) {
@@ -255,7 +268,7 @@ void add_building(TriangleMesh& mesh, TriangleMesh& interiors, const BuildingPla
   const double depth_m = 2.0 * base.half_extent_m.y();
   const WallFrame street = wall(0, base.axis);
   add_street_facade(mesh, street, width_m, storeys, style, plan.room_m, random);
-  if (width_m > 7.0 && storeys.upper_floors > 1 && random.chance(0.22)) {
+  if (width_m > 7.0 && storeys.upper_floors > 1 && random.chance(0.22) && !style.is_curtain_wall) {
     add_bay_window(mesh, street, width_m, storeys, style, random);
   }
   add_plain_facade(mesh, wall(1, base.across()), depth_m, storeys, style, plan.is_free_high,

@@ -24,11 +24,13 @@ struct BuildingPlan {
   bool is_free_high = false;
   /// 0 for villas, 1 for the densest centre.
   double density = 0.5;
+  /// Chance of curtain walls from the first floor up.
+  double curtain_wall_share = 0.0;
 };
 
 /// Adds a building of closed solids to `mesh`: walls with openings set back behind reveals, roof,
-/// chimneys, dormers, bay windows. What is behind its panes goes to `interiors`: a floor a storey,
-/// a wall along the rooms to the street, partitions between them.
+/// chimneys, dormers, bay windows; flat roofs alone from 40 m up. What is behind its panes goes to
+/// `interiors`: a floor a storey, a wall along the rooms to the street, partitions between them.
 void add_building(TriangleMesh& mesh, TriangleMesh& interiors, const BuildingPlan& plan,
                   RandomSequence& random);
 
@@ -38,6 +40,13 @@ struct BuildingRows {
   double height_max_m = 30.0;
   /// Share of the frontage left open.
   double gap_share = 0.15;
+  /// Share of buildings between those two heights instead.
+  double low_share = 0.0;
+  double low_height_min_m = 12.0;
+  double low_height_max_m = 25.0;
+  /// No place is built less densely than this.
+  double density_min = 0.0;
+  double curtain_wall_share = 0.0;
 };
 
 /// Lines every street of `layout` with buildings, where there is room beside all of them.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "sim/world/curtain_wall.h"
 #include "sim/world/materials.h"
 
 namespace locsim::sim {
@@ -288,6 +289,10 @@ void add_street_facade(TriangleMesh& mesh, const WallFrame& wall, double width_m
   } else {
     add_ground_floor(mesh, wall, width_m, storeys, style, bays, room_m, random);
   }
+  if (style.is_curtain_wall) {
+    add_curtain_wall(mesh, wall, width_m, storeys, style.spandrel);
+    return;
+  }
   add_upper_floors(mesh, wall, width_m, storeys, style, bays, random);
   const double top_m = storeys.top_m();
   if (style.has_pilasters) {
@@ -315,6 +320,11 @@ void add_plain_facade(TriangleMesh& mesh, const WallFrame& wall, double width_m,
                       RandomSequence& random) {
   if (!has_windows) {
     add_panel(mesh, wall, 0.0, storeys.foot_m, width_m, storeys.top_m(), 0.0, style.wall);
+    return;
+  }
+  if (style.is_curtain_wall) {
+    add_panel(mesh, wall, 0.0, storeys.foot_m, width_m, storeys.ground_floor_m, 0.0, style.wall);
+    add_curtain_wall(mesh, wall, width_m, storeys, style.spandrel);
     return;
   }
   FacadeStyle plain = style;

@@ -54,6 +54,9 @@ struct FacadeStyle {
   double shutter_share = 0.0;
   double balcony_share = 0.0;
   double blind_share = 0.05;
+  /// Glass over bands of `spandrel` from the first floor up, in place of all of these but the wall.
+  bool is_curtain_wall = false;
+  MaterialId spandrel = 0;
 };
 [[nodiscard]] FacadeStyle draw_facade_style(RandomSequence& random, double density);
 

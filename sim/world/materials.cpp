@@ -54,6 +54,8 @@ const std::vector<Material>& town_materials() {
       {"clothing_dark", 0.10, {0.045F, 0.050F, 0.075F}, 0.6},
       {"clothing_light", 0.50, {0.55F, 0.50F, 0.44F}, 0.6},
       {"skin", 0.50, {0.52F, 0.33F, 0.24F}, 0.3},
+      // Metal oxides or silver against the sun; to radio a sheet of metal.
+      {"coated_glass", 0.05, {0.060F, 0.090F, 0.100F}, 0.1, 1.9},
   };
   assert(table.size() == static_cast<std::size_t>(TownMaterial::count));
   return table;

@@ -33,6 +33,7 @@ enum class TownMaterial : MaterialId {
   clothing_dark,
   clothing_light,
   skin,
+  coated_glass,
   count
 };
 

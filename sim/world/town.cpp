@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "sim/world/actor_shapes.h"
@@ -15,12 +16,25 @@
 
 namespace locsim::sim {
 
+namespace {
+
+void check_rises(Parameters& p, std::string_view key, const std::vector<double>& range) {
+  if (range.size() == 2 && range[0] > range[1]) {
+    p.fail(key, "has its least above its greatest, needs [least, greatest]");
+  }
+}
+
+}  // namespace
+
 void TownConfig::describe(Parameters& p) {
   p.numbers("building_height_m", building_height_m, 2, {.min = 5.0, .max = 120.0});
-  if (building_height_m.size() == 2 && building_height_m[0] > building_height_m[1]) {
-    p.fail("building_height_m", "has its least above its greatest, needs [least, greatest]");
-  }
+  check_rises(p, "building_height_m", building_height_m);
   p.number("building_gap_share", building_gap_share, kShare);
+  p.number("low_building_share", low_building_share, kShare);
+  p.numbers("low_building_height_m", low_building_height_m, 2, {.min = 5.0, .max = 120.0});
+  check_rises(p, "low_building_height_m", low_building_height_m);
+  p.number("building_density_min", building_density_min, kShare);
+  p.number("curtain_wall_share", curtain_wall_share, kShare);
   p.number("tree_spacing_m", tree_spacing_m, {.min = 4.0, .max = 10000.0});
   p.number("lamp_spacing_m", lamp_spacing_m, {.min = 8.0, .max = 10000.0});
   p.number("sign_spacing_m", sign_spacing_m, {.min = 8.0, .max = 10000.0});
@@ -48,7 +62,12 @@ Town build_town(const TownConfig& config, const Layout& layout, std::uint64_t se
     add_building_rows(site, layout,
                       {.height_min_m = config.building_height_m[0],
                        .height_max_m = config.building_height_m[1],
-                       .gap_share = config.building_gap_share},
+                       .gap_share = config.building_gap_share,
+                       .low_share = config.low_building_share,
+                       .low_height_min_m = config.low_building_height_m[0],
+                       .low_height_max_m = config.low_building_height_m[1],
+                       .density_min = config.building_density_min,
+                       .curtain_wall_share = config.curtain_wall_share},
                       seed);
   }
   add_street_furniture(site, layout,

@@ -19,6 +19,14 @@ struct TownConfig {
   std::vector<double> building_height_m = {9.0, 30.0};
   /// Share of the streets' frontage without buildings; 1 leaves none.
   double building_gap_share = 0.15;
+  /// Share of buildings that are between `low_building_height_m` high instead.
+  double low_building_share = 0.0;
+  std::vector<double> low_building_height_m = {12.0, 25.0};
+  /// How densely the town is built everywhere at least: 0 leaves villas behind gardens, from 0.45
+  /// on the houses stand at the pavement.
+  double building_density_min = 0.0;
+  /// Share of buildings with curtain walls: storeys of glass over bands of metal or concrete.
+  double curtain_wall_share = 0.0;
   double tree_spacing_m = 14.0;
   double lamp_spacing_m = 28.0;
   double sign_spacing_m = 35.0;

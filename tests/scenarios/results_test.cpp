@@ -3,23 +3,50 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "scenarios/run_files.h"
 #include "scenarios/yaml_parameters.h"
+#include "sim/gnss/signal_in_space.h"
 #include "tests/scenarios/drives.h"
+#include "tests/scenarios/rinex_reader.h"
 
 namespace locsim::scenarios {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+
+// Two epochs of a receiver that stands still, and the orbit of the one satellite it sees.
+void add_raw_epochs(RunResult& result, const LocalFrame& frame) {
+  result.gps_start = sim::GpsTime::from_utc("2026-06-01T04:00:00Z");
+  result.antenna_ecef_m = frame.to_ecef(Vector3d(0.0, 0.0, 1.5));
+  const SatelliteId satellite{.system = GnssSystem::gps, .number = 7};
+  for (const double t : {0.2, 0.4}) {
+    GnssEpoch epoch{.time = stamp_from_seconds(t), .receiver_time = stamp_from_seconds(t + 1e-4)};
+    epoch.observations.push_back({.satellite = satellite,
+                                  .pseudorange_m = 2.2e7 + 100.0 * t,
+                                  .doppler_hz = -525.5,
+                                  .carrier_hz = 1575.42e6,
+                                  .cn0_db_hz = 44.0,
+                                  .carrier_cycles = 1.156e8,
+                                  .carrier_locked = true});
+    result.epochs.push_back(epoch);
+  }
+  const sim::Constellation sky({GnssSystem::gps});
+  const sim::SignalInSpace signals(sky, false, 1);
+  result.satellites.messages = {signals.broadcast(satellite, result.gps_start)};
+}
 
 RunResult example_result() {
   Drive drive = straight_drive(300);
@@ -51,7 +78,11 @@ RunResult example_result() {
   GnssFix none;
   none.time = stamp_from_seconds(0.4);
   none.satellites = 3;
+  fix.hdop = 0.75;
+  fix.vdop = 1.25;
+  fix.state = FixState::three_dimensional;
   result.fixes = {fix, none};
+  add_raw_epochs(result, frame);
   result.truth = drive.truth;
   result.estimates = drive.estimates;
   result.cost.scan_ms_mean = 20.0;
@@ -92,13 +123,66 @@ class ResultsTest : public testing::Test {
 
 TEST_F(ResultsTest, WritesTheFilesOfARun) {
   write_results(result_, root_ / "a" / "run");
-  EXPECT_EQ(names(root_ / "a" / "run"),
-            (std::set<std::string>{"scores.json", "truth.tum", "estimate.tum", "estimate.csv",
-                                   "gnss.csv", "imu.csv", "scenario.yaml"}));
+  EXPECT_EQ(
+      names(root_ / "a" / "run"),
+      (std::set<std::string>{"scores.json", "truth.tum", "estimate.tum", "estimate.csv", "gnss.csv",
+                             "gnss.obs", "gnss.nav", "gnss.nmea", "imu.csv", "scenario.yaml"}));
   EXPECT_EQ(names(root_ / "a"), std::set<std::string>{"run"});
   EXPECT_EQ(read_text_file(root_ / "a" / "run" / "scenario.yaml"), "name: example\n");
   EXPECT_THAT(read_text_file(root_ / "a" / "run" / "truth.tum"),
               HasSubstr("\n30.000000000 300 0 0 0 0 0 1\n"));
+}
+
+TEST_F(ResultsTest, WritesTheReceiversFilesForOtherPrograms) {
+  write_results(result_, root_ / "run");
+  using testing_gnss::RinexText;
+  const RinexText observations(read_text_file(root_ / "run" / "gnss.obs"));
+  EXPECT_THAT(observations.line("RINEX VERSION / TYPE"), HasSubstr("3.04"));
+  EXPECT_THAT(observations.line("MARKER NAME"), HasSubstr("example"));
+  EXPECT_EQ(testing_gnss::number(observations.line("INTERVAL"), 0, 10), 0.2);
+  const std::string place = observations.line("APPROX POSITION XYZ");
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(testing_gnss::number(place, static_cast<std::size_t>(14 * axis), 14),
+                result_.antenna_ecef_m[axis], 1e-4);
+  }
+  // Each epoch: its date (of the receiver's clock: 04:00:18.2001 GPS) and its satellite.
+  ASSERT_EQ(observations.body.size(), 4U);
+  EXPECT_TRUE(observations.body[0].starts_with("> 2026 06 01 04 00 18.2001000"))
+      << observations.body[0];
+  EXPECT_TRUE(observations.body[1].starts_with("G07")) << observations.body[1];
+  EXPECT_EQ(testing_gnss::number(observations.body[1], 3, 14), 2.2e7 + 20.0);
+
+  const RinexText navigation(read_text_file(root_ / "run" / "gnss.nav"));
+  EXPECT_THAT(navigation.line("RINEX VERSION / TYPE"), HasSubstr("3.04"));
+  ASSERT_EQ(navigation.body.size(), 8U);
+  EXPECT_TRUE(navigation.body[0].starts_with("G07 2026 06 01")) << navigation.body[0];
+
+  const std::string sentences = read_text_file(root_ / "run" / "gnss.nmea");  // three of each fix
+  EXPECT_EQ(std::ranges::count(sentences, '\n'), 6);
+  EXPECT_TRUE(sentences.starts_with("$GNGGA,040000.20,")) << sentences;
+  EXPECT_THAT(sentences, HasSubstr("\r\n$GNRMC,040000.40,V,"));
+}
+
+TEST_F(ResultsTest, GnssTableHasDilutionAndStateInEveryRow) {
+  write_results(result_, root_ / "run");
+  std::istringstream table(read_text_file(root_ / "run" / "gnss.csv"));
+  std::vector<std::vector<std::string>> rows;
+  for (std::string line; std::getline(table, line);) {
+    std::istringstream fields(line);
+    rows.emplace_back();
+    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(field);
+  }
+  ASSERT_EQ(rows.size(), 3U);
+  for (const auto& row : rows) ASSERT_EQ(row.size(), 21U);
+  const auto tail = [](const std::vector<std::string>& row) {
+    return std::vector<std::string>(row.end() - 3, row.end());
+  };
+  EXPECT_EQ(tail(rows[0]), (std::vector<std::string>{"hdop", "vdop", "state"}));
+  EXPECT_EQ(tail(rows[1]), (std::vector<std::string>{"0.75", "1.25", "3d"}));
+  EXPECT_EQ(tail(rows[2]), (std::vector<std::string>{"", "", "none"}));
+  result_.fixes[0].state = FixState::two_dimensional;
+  write_results(result_, root_ / "run");
+  EXPECT_THAT(read_text_file(root_ / "run" / "gnss.csv"), HasSubstr(",0.75,1.25,2d\n"));
 }
 
 TEST_F(ResultsTest, ScoresJsonHoldsWhatIsPromised) {
@@ -195,6 +279,24 @@ TEST_F(ResultsTest, HashFollowsTheSmallestChangeButNotTheCost) {
   nudge(other.fixes[0].position.height_m);
   hashes.insert(other.hash());
   other = result_;
+  nudge(other.epochs[1].observations[0].pseudorange_m);
+  hashes.insert(other.hash());
+  other = result_;
+  nudge(other.epochs[0].observations[0].doppler_hz);
+  hashes.insert(other.hash());
+  other = result_;
+  nudge(other.epochs[0].observations[0].cn0_db_hz);
+  hashes.insert(other.hash());
+  other = result_;
+  nudge(other.epochs[0].observations[0].carrier_cycles);
+  hashes.insert(other.hash());
+  other = result_;
+  other.epochs[0].observations[0].satellite.number = 8;
+  hashes.insert(other.hash());
+  other = result_;
+  other.epochs.pop_back();
+  hashes.insert(other.hash());
+  other = result_;
   nudge(*other.scores.scores[0].value);
   hashes.insert(other.hash());
   other = result_;
@@ -203,7 +305,7 @@ TEST_F(ResultsTest, HashFollowsTheSmallestChangeButNotTheCost) {
   other = result_;
   other.estimates.pop_back();
   hashes.insert(other.hash());
-  EXPECT_EQ(hashes.size(), 8U);
+  EXPECT_EQ(hashes.size(), 14U);
 }
 
 TEST_F(ResultsTest, AllOrNothing) {

@@ -59,8 +59,8 @@ struct Play {
 
 std::unique_ptr<IcpLocalizer> make_localizer(std::shared_ptr<const maps::PriorMap> map,
                                              int threads = 1) {
-  return std::make_unique<IcpLocalizer>(LocalizerInputs{make_rig(), std::move(map), threads},
-                                        IcpConfig{});
+  return std::make_unique<IcpLocalizer>(
+      LocalizerInputs{.rig = make_rig(), .map = std::move(map), .threads = threads}, IcpConfig{});
 }
 
 double nees(const Estimate& estimate, const Vector6d& error) {

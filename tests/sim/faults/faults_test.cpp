@@ -76,7 +76,32 @@ TEST(Faults, ValuesOutOfTheirLimitsAreRefusedByKey) {
   EXPECT_TRUE(says(message_of(ImuDropout{.share = -1.0}), "share"));
   EXPECT_TRUE(says(message_of(ImuLate{.delay_s = 100.0}), "delay_s"));
   EXPECT_TRUE(says(message_of(ImuSaturation{.gyro_range_rad_s = 0.0}), "gyro_range_deg_s"));
+  EXPECT_TRUE(says(message_of(GnssJamming{.jammer_to_signal_db = 121.0}), "jammer_to_signal_db"));
+  EXPECT_TRUE(says(message_of(GnssJamming{.ramp_s = -1.0}), "ramp_s"));
+  GnssSpoofingDragOff drag_off;
+  drag_off.advantage_db = 61.0;
+  EXPECT_TRUE(says(message_of(drag_off), "advantage_db"));
+  EXPECT_TRUE(says(message_of(GnssSpoofingDragOff{.hold_s = -1.0}), "hold_s"));
+  EXPECT_TRUE(says(message_of(GnssSpoofingDragOff{.rate_m_s = {0.0, 0.0, 101.0}}), "rate_m_s"));
+  EXPECT_TRUE(says(message_of(GnssSpoofingDragOff{.clock_rate_m_s = 2e3}), "clock_rate_m_s"));
+  GnssSpoofingStep step;
+  step.advantage_db = -31.0;
+  EXPECT_TRUE(says(message_of(step), "advantage_db"));
+  EXPECT_TRUE(says(message_of(GnssSpoofingStep{.offset_m = {2e5, 0.0, 0.0}}), "offset_m"));
+  EXPECT_TRUE(says(message_of(GnssSpoofingStep{.clock_offset_m = -2e6}), "clock_offset_m"));
+  EXPECT_TRUE(says(message_of(GnssClockJump{.jump_s = 0.02}), "jump_s"));
+  EXPECT_TRUE(says(message_of(GnssOverconfident{.sigma_factor = 0.0}), "sigma_factor"));
+  EXPECT_TRUE(says(message_of(GnssLate{.delay_s = -0.1}), "delay_s"));
+  EXPECT_TRUE(says(message_of(GnssAntennaCut{.attenuation_db = -1.0}), "attenuation_db"));
   EXPECT_TRUE(message_of(LidarFrozen{}).empty());
+  EXPECT_TRUE(message_of(GnssFrozen{}).empty());
+  EXPECT_TRUE(message_of(GnssJamming{}).empty());
+  EXPECT_TRUE(message_of(GnssSpoofingDragOff{}).empty());
+  EXPECT_TRUE(message_of(GnssSpoofingStep{}).empty());
+  EXPECT_TRUE(message_of(GnssClockJump{}).empty());
+  EXPECT_TRUE(message_of(GnssOverconfident{}).empty());
+  EXPECT_TRUE(message_of(GnssLate{}).empty());
+  EXPECT_TRUE(message_of(GnssAntennaCut{}).empty());
 }
 
 TEST(Faults, NegativeTimesAreRefused) {

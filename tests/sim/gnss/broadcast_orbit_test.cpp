@@ -80,7 +80,7 @@ TEST(BroadcastOrbit, NominalOrbitsAreThoseOfTwoBodiesAndJ2) {
       const Vector3d ours = evaluate(orbit, time + duration_from_seconds(seconds)).position_ecef_m;
       // What the first order leaves: (J2 (R/r)²)² r is 0.12 m, times a few along the track.
       EXPECT_LT((ours - propagated(start, seconds, j2)).norm(), 2.0) << orbit.id.name();
-      // J2 itself is worth hundreds of metres (IGSO: tens) in that time.
+      // J2 itself is worth hundreds of metres (geosynchronous: tens) in that time.
       EXPECT_GT((ours - propagated(start, seconds, 0.0)).norm(), 20.0) << orbit.id.name();
     }
   }
@@ -112,6 +112,52 @@ TEST(BroadcastOrbit, BeidouCountsTheWeekFourteenSecondsLater) {
   EXPECT_NEAR(gps_s, 3 * 86400.0 + 10 * 3600.0 + 18.0, 1e-9);
   e.id.system = GnssSystem::beidou;
   EXPECT_NEAR(e.toe_of_system_week_s(), gps_s - 14.0, 1e-9);
+}
+
+// As RTKLIB's eph2pos writes it, by elements: sin and cos of −5°.
+Vector3d tilted(const KeplerEphemeris& e, double since_toe_s) {
+  const double spin = earth_model(e.id.system).rotation_rad_s;
+  const double a = e.root_of_semi_major_axis * e.root_of_semi_major_axis;
+  const double rate = std::sqrt(earth_model(e.id.system).gravitation_m3_s2 / (a * a * a)) +
+                      e.mean_motion_excess_rad_s;
+  const double u = e.mean_anomaly_rad + rate * since_toe_s + e.perigee_rad;
+  const double node =
+      e.node_rad + e.node_rate_rad_s * since_toe_s - spin * e.toe_of_system_week_s();
+  const double x = a * std::cos(u);
+  const double y = a * std::sin(u);
+  const double xg = x * std::cos(node) - y * std::cos(e.inclination_rad) * std::sin(node);
+  const double yg = x * std::sin(node) + y * std::cos(e.inclination_rad) * std::cos(node);
+  const double zg = y * std::sin(e.inclination_rad);
+  constexpr double kSin5 = -0.0871557427476582;
+  constexpr double kCos5 = 0.9961946980917456;
+  const double sine = std::sin(spin * since_toe_s);
+  const double cosine = std::cos(spin * since_toe_s);
+  return {xg * cosine + yg * sine * kCos5 + zg * sine * kSin5,
+          -xg * sine + yg * cosine * kCos5 + zg * cosine * kSin5, -yg * kSin5 + zg * kCos5};
+}
+
+TEST(BroadcastOrbit, GeostationaryOrbitsComeFromTheirTiltedAxes) {
+  KeplerEphemeris e{.id = {GnssSystem::beidou, 3}, .toe = at_utc("2024-01-03T10:00:00Z")};
+  e.root_of_semi_major_axis = std::sqrt(42164e3);
+  e.inclination_rad = 0.1;
+  e.node_rad = 2.2;
+  e.node_rate_rad_s = 3e-9;
+  e.perigee_rad = -0.4;
+  e.mean_anomaly_rad = 1.7;
+  e.mean_motion_excess_rad_s = 1e-9;
+  for (const double seconds : {0.0, -3000.0, 7200.0}) {
+    const GpsTime time = e.toe + duration_from_seconds(seconds);
+    const SatelliteState state = evaluate(e, time);
+    // Rounding at 4e7 m and the constants' 15 digits.
+    EXPECT_LT((state.position_ecef_m - tilted(e, seconds)).norm(), 1e-4);
+    const Vector3d slope = (tilted(e, seconds + 1.0) - tilted(e, seconds - 1.0)) / 2.0;
+    EXPECT_LT((state.velocity_ecef_m_s - slope).norm(), 1e-4);
+    EXPECT_GT(slope.norm(), 1.0);
+  }
+  // Of another number the same elements are another orbit.
+  KeplerEphemeris other = e;
+  other.id.number = 38;
+  EXPECT_GT((evaluate(other, e.toe).position_ecef_m - tilted(e, 0.0)).norm(), 1e6);
 }
 
 TEST(BroadcastOrbit, GlonassFollowsItsOrbitForAQuarterOfAnHour) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -63,6 +64,45 @@ TEST(Fresnel, KnifeEdgeTakesSixDecibelsOnTheBoundaryAndTwentyDeepInTheShadow) {
               20.0 * std::log10(std::numbers::sqrt2 * 3.0 * std::numbers::pi), 0.3);
   EXPECT_EQ(knife_edge_loss_db(-0.78), 0.0);
   EXPECT_NEAR(knife_edge_loss_db(-0.7799), 0.0, 0.05);
+}
+
+TEST(Fresnel, WhatAWallScattersItsMirrorImageLacks) {
+  int dark = 0;
+  for (const double scattering : {0.0, 0.2, 0.3, 0.45}) {
+    for (const char* name : {"concrete", "glass", "metal", "wood"}) {
+      for (const double grazing_deg : {3.0, 20.0, 50.0, 90.0}) {
+        RadioMaterial material = radio_material(name);
+        material.scattering = scattering;
+        const double grazing_rad = grazing_deg * kDegree;
+        const auto smooth = reflect_circular(material, grazing_rad, kL1Wavelength_m);
+        const auto rough = reflect_rough(material, grazing_rad, kL1Wavelength_m);
+        const double before = std::norm(smooth.co) + std::norm(smooth.cross);
+        const double after = std::norm(rough.co) + std::norm(rough.cross);
+        SCOPED_TRACE(std::string(name) + " " + std::to_string(grazing_deg));
+        // Energy: nothing is left where more is scattered than a smooth wall would send back.
+        EXPECT_NEAR(after, std::max(0.0, before - scattering * scattering), 1e-12);
+        // Both senses lose alike, and no phase: co over cross stays.
+        EXPECT_LT(std::abs(rough.co * smooth.cross - rough.cross * smooth.co), 1e-12);
+        EXPECT_GE((rough.cross * std::conj(smooth.cross)).real(), 0.0);
+        EXPECT_NEAR((rough.cross * std::conj(smooth.cross)).imag(), 0.0, 1e-12);
+        if (after == 0.0) ++dark;
+      }
+    }
+  }
+  // Glass, concrete and wood head on send back 0.03 to 0.19.
+  EXPECT_GT(dark, 2);
+  EXPECT_LT(dark, 16);
+}
+
+TEST(Fresnel, WallsScatterAndRoadsDoNot) {
+  for (const char* name : {"concrete", "brick", "glass", "coated_glass"}) {
+    EXPECT_GT(radio_material(name).scattering, 0.1) << name;
+    EXPECT_LT(radio_material(name).scattering, 0.5) << name;
+  }
+  EXPECT_EQ(radio_material("grass").scattering, 0.0);
+  // The metal on a pane is what mirrors.
+  EXPECT_EQ(radio_material("coated_glass").conductivity_s_m,
+            radio_material("metal").conductivity_s_m);
 }
 
 TEST(Fresnel, FoliageIsToldFromWhatReflects) {

@@ -4,286 +4,245 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <string>
-#include <utility>
+#include <map>
 #include <vector>
 
 #include "core/error.h"
-#include "tests/sim/imu/analytic_trajectory.h"
-#include "tests/sim/imu/flat_preset.h"
+#include "sim/gnss/correlator.h"
+#include "tests/sim/gnss/gnss_rig.h"
 
 namespace locsim::sim {
 namespace {
 
-const LocalFrame kFrame({.latitude_rad = 0.39, .longitude_rad = 1.99, .height_m = 10.0});
-constexpr Duration kEpoch{200'000'000};
+constexpr Duration kStep{10'000'000};
 
-bool open_sky(const Vector3d&, const Vector3d&, Stamp) {
-  return false;
-}
-
-// Walls to the north and south of a street that runs east.
-bool canyon(const Vector3d&, const Vector3d& direction, Stamp) {
-  return std::abs(direction.y()) > 0.9 * direction.z();
-}
-
-std::vector<GnssFix> fixes_of(const GnssSpec& spec, const Trajectory& trajectory,
-                              const SkyBlocked& is_blocked, std::uint64_t seed = 1,
-                              const Vector3d& antenna_in_vehicle_m = Vector3d::Zero()) {
-  std::vector<GnssFix> fixes;
-  Gnss(spec, antenna_in_vehicle_m, seed)
-      .sample(trajectory, is_blocked, kFrame, trajectory.start(), trajectory.end(), fixes);
-  return fixes;
-}
-
-GnssSpec ideal_spec() {
-  GnssSpec spec;
-  spec.noise = false;
-  return spec;
-}
-
-TEST(Gnss, WithoutNoiseItGivesTheAntennasPositionAndVelocity) {
-  constexpr double kRate_rad_s = 0.4;
+TEST(Gnss, WithoutErrorsTheFixIsTheMovingAntennas) {
+  constexpr double kRate_rad_s = 0.2;
   const Vector3d antenna(-0.8, 0.5, 1.6);
   const Vector3d velocity(8.0, -3.0, 0.5);
   const auto pose_at = [&](double t) {
     return Pose{.rotation = rotation_from_rpy(0.0, 0.0, kRate_rad_s * t),
                 .translation = Vector3d(300.0, -200.0, 5.0) + velocity * t};
   };
-  const auto fixes = fixes_of(ideal_spec(), trajectory_along(pose_at, 5.0), open_sky, 1, antenna);
-  ASSERT_EQ(fixes.size(), 25u);
-  for (const GnssFix& fix : fixes) {
+  GnssSpec spec = flawless_receiver();
+  spec.solution.smoothing = false;
+  const Trajectory trajectory = trajectory_along(pose_at, 8.0);
+  const auto outputs = outputs_of(spec, open_world(), trajectory, 1, {}, antenna);
+  ASSERT_EQ(outputs.size(), 40U);
+  for (const GnssOutput& output : outputs) {
+    const GnssFix& fix = output.fix;
     ASSERT_TRUE(fix.valid);
+    EXPECT_GT(fix.satellites, 15);
     const Pose truth = pose_at(to_seconds(fix.time));
-    // Through WGS-84 and back: 1 mm over 100 km is promised, nanometres are usual.
-    EXPECT_LT((kFrame.to_map(fix.position) - truth * antenna).norm(), 1e-6);
-    const Vector3d lever = Vector3d(0.0, 0.0, kRate_rad_s).cross(truth.rotation * antenna);
-    EXPECT_GT(lever.norm(), 0.3);
-    // Differences of positions of 300 m over 2.5 ms: 300·2e-16/2.5e-3.
-    EXPECT_LT((fix.velocity_enu_m_s - velocity - lever).norm(), 1e-9);
-    EXPECT_EQ(fix.satellites, 28);
+    // Broadcast orbits keep to a centimetre (GLONASS), more than twenty of them to a few
+    // millimetres.
+    EXPECT_LT((kHongKong.to_map(fix.position) - truth * antenna).norm(), 0.01);
+    const Vector3d turning = truth.rotation * Vector3d(0.0, 0.0, kRate_rad_s).cross(antenna);
+    // The frequency loop follows what the spec leaves: 1e-4 m/s of orbits, and the mean over an
+    // epoch of an acceleration of 0.04 m/s².
+    EXPECT_LT((fix.velocity_enu_m_s - velocity - turning).norm(), 0.01);
+    EXPECT_EQ(output.delivered, fix.time + spec.latency());
+    EXPECT_EQ(output.raw.time, fix.time);
   }
-  EXPECT_EQ(fixes.front().time, stamp_from_seconds(0.2));
-  EXPECT_EQ(fixes.back().time, stamp_from_seconds(5.0));
 }
 
-TEST(Gnss, PositionErrorHasItsSigmaAndCorrelationTime) {
+TEST(Gnss, UnderAnOpenSkyItErrsAsReceiversDoAndClaimsWhatItErrs) {
+  // Sixteen starts, a minute each: slow errors differ from start to start.
+  std::vector<double> errors_m;
+  double normalised = 0.0;
+  const Trajectory trajectory = standing_still(60.0, kStep);
   GnssSpec spec;
-  spec.correlation_time_s = 5.0;
-  spec.horizontal_white_m = 1e-6;
-  spec.vertical_white_m = 1e-6;
-  constexpr std::size_t kEpochs = 25'000;
-  constexpr std::size_t kLag = 25;  // one correlation time
-  const auto fixes = fixes_of(spec, standing_still(kEpochs * 0.2, kEpoch), open_sky);
-  ASSERT_EQ(fixes.size(), kEpochs);
-
-  std::vector<Vector3d> errors;
-  errors.reserve(kEpochs);
-  const Vector3d sigma(spec.horizontal_correlated_m, spec.horizontal_correlated_m,
-                       spec.vertical_correlated_m);
-  for (const GnssFix& fix : fixes) {
-    errors.emplace_back(kFrame.to_map(fix.position).cwiseQuotient(sigma));
-  }
-  double square = 0.0;
-  double product = 0.0;
-  for (std::size_t i = 0; i < kEpochs; ++i) square += errors[i].squaredNorm() / (3.0 * kEpochs);
-  for (std::size_t i = kLag; i < kEpochs; ++i) {
-    product += errors[i].dot(errors[i - kLag]) / (3.0 * (kEpochs - kLag));
-  }
-  // With a = e^(−0.2/5) an axis has n(1−a²)/(1+a²) = 1000 independent squares: relative standard
-  // error of the variance √(2/3000) = 2.6 %, four of them.
-  EXPECT_NEAR(square, 1.0, 0.103);
-  // Bartlett: var r_L = [(1+a²)(1−a^2L)/(1−a²) − 2L·a^2L]/n = 6e-4 an axis; a third of it for the
-  // three, four standard errors.
-  EXPECT_NEAR(product / square, std::exp(-1.0), 0.057);
-}
-
-TEST(Gnss, WhiteErrorIsIndependentFromEpochToEpoch) {
-  GnssSpec spec;
-  spec.horizontal_correlated_m = 0.0;
-  spec.vertical_correlated_m = 0.0;
-  constexpr std::size_t kEpochs = 5000;
-  const auto fixes = fixes_of(spec, standing_still(kEpochs * 0.2, kEpoch), open_sky);
-  ASSERT_EQ(fixes.size(), kEpochs);
-  const Vector3d position_sigma(spec.horizontal_white_m, spec.horizontal_white_m,
-                                spec.vertical_white_m);
-  const Vector3d velocity_sigma(spec.velocity_horizontal_m_s, spec.velocity_horizontal_m_s,
-                                spec.velocity_vertical_m_s);
-  const auto check = [&](auto&& error) {
-    Vector3d square = Vector3d::Zero();
-    double product = 0.0;
-    for (std::size_t i = 0; i < kEpochs; ++i) square += error(fixes[i]).cwiseAbs2() / kEpochs;
-    for (std::size_t i = 1; i < kEpochs; ++i) {
-      product += error(fixes[i]).dot(error(fixes[i - 1])) / (3.0 * kEpochs);
-    }
-    // 5000 draws an axis: four relative standard errors of a variance, 4·√(2/n) = 8 %; of the
-    // correlation of three axes, 4/√(3n) = 3.3 %.
-    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(square[axis], 1.0, 0.08) << axis;
-    EXPECT_NEAR(product, 0.0, 0.033);
-  };
-  check([&](const GnssFix& fix) -> Vector3d {
-    return kFrame.to_map(fix.position).cwiseQuotient(position_sigma);
-  });
-  check([&](const GnssFix& fix) -> Vector3d {
-    return fix.velocity_enu_m_s.cwiseQuotient(velocity_sigma);
-  });
-}
-
-TEST(Gnss, ClaimedCovarianceIsHonestUnderAnySky) {
-  const Trajectory trajectory = standing_still(30.0, kEpoch);
-  constexpr int kRuns = 500;
-  for (const SkyBlocked& sky : {SkyBlocked(open_sky), SkyBlocked(canyon)}) {
-    for (const double at_s : {0.2, 29.8}) {
-      Vector3d position = Vector3d::Zero();
-      Vector3d velocity = Vector3d::Zero();
-      for (int seed = 0; seed < kRuns; ++seed) {
-        std::vector<GnssFix> fixes;
-        Gnss(GnssSpec{}, Vector3d::Zero(), static_cast<std::uint64_t>(seed))
-            .sample(trajectory, sky, kFrame, stamp_from_seconds(at_s - 0.1),
-                    stamp_from_seconds(at_s), fixes);
-        ASSERT_EQ(fixes.size(), 1u);
-        const GnssFix& fix = fixes.front();
-        ASSERT_TRUE(fix.valid);
-        position += kFrame.to_map(fix.position)
-                        .cwiseAbs2()
-                        .cwiseQuotient(fix.position_covariance_m2.diagonal()) /
-                    kRuns;
-        velocity += fix.velocity_enu_m_s.cwiseAbs2().cwiseQuotient(
-                        fix.velocity_covariance_m2_s2.diagonal()) /
-                    kRuns;
-      }
-      // 500 draws an axis, relative standard error of the mean square √(2/n) = 6.3 %, four of them.
-      for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_NEAR(position[axis], 1.0, 0.253) << axis;
-        EXPECT_NEAR(velocity[axis], 1.0, 0.253) << axis;
-      }
-      // Three axes together.
-      EXPECT_NEAR(position.mean(), 1.0, 0.146);
-      EXPECT_NEAR(velocity.mean(), 1.0, 0.146);
+  spec.rate_hz = 1.0;
+  int fixes = 0;
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+    for (const GnssOutput& output : outputs_of(spec, open_world(), trajectory, seed)) {
+      ASSERT_TRUE(output.fix.valid);
+      const Eigen::Vector2d error = error_of(output.fix, trajectory).head<2>();
+      const Eigen::Matrix2d covariance = output.fix.position_covariance_m2.topLeftCorner<2, 2>();
+      errors_m.push_back(error.norm());
+      normalised += error.dot(covariance.inverse() * error) / 2.0;
+      ++fixes;
     }
   }
+  std::ranges::sort(errors_m);
+  // The data sheet's 1.5 m of the F9P, by sixteen draws of two slow errors: within a third of it,
+  // and not a tenth.
+  EXPECT_LT(errors_m[errors_m.size() / 2], 2.0);
+  EXPECT_GT(errors_m[errors_m.size() / 2], 0.15);
+  EXPECT_LT(normalised / fixes, 2.0);
+  EXPECT_GT(normalised / fixes, 0.1);
 }
 
-TEST(Gnss, UnderACoverTheFixIsLostAndComesBackAfterReacquisition) {
+TEST(Gnss, UnderARoofThereIsNoFixAndItComesBack) {
+  World world = open_world();
+  add_box(world.structures, {.translation = {200.0, 0.0, 6.0}}, {60.0, 60.0, 0.5},
+          id(TownMaterial::concrete));
+  for (const double side : {-60.0, 60.0}) {
+    add_box(world.structures, {.translation = {200.0, side, 3.0}}, {60.0, 0.5, 3.0},
+            id(TownMaterial::concrete));
+  }
+  const Trajectory trajectory = trajectory_along(
+      [](double t) {
+        return Pose{.translation = {10.0 * t, 0.0, 0.0}};
+      },
+      45.0, kStep);
+  int inside = 0;
+  for (const GnssOutput& output : outputs_of({}, world, trajectory)) {
+    const double x_m = 10.0 * to_seconds(output.fix.time);
+    // Beyond what the loops coast and what comes in under the edge.
+    if (x_m > 170.0 && x_m < 230.0) {
+      EXPECT_FALSE(output.fix.valid) << x_m;
+      ++inside;
+    }
+    if (x_m < 120.0) {
+      EXPECT_TRUE(output.fix.valid) << x_m;
+    }
+    // The sky is open from 260 m on; found within a second, or two for the weak ones.
+    if (x_m > 290.0) {
+      EXPECT_TRUE(output.fix.valid) << x_m;
+    }
+  }
+  EXPECT_GT(inside, 25);
+}
+
+TEST(Gnss, AStreetCanyonTakesSatellitesAndBringsErrors) {
+  const Trajectory trajectory = trajectory_along(
+      [](double t) {
+        return Pose{.translation = {8.0 * t, 2.0, 0.0}};
+      },
+      30.0, kStep);
+  constexpr double kWidth_m = 20.0;
   GnssSpec spec;
-  spec.reacquisition_s = 1.5;
-  const SkyBlocked tunnel = [](const Vector3d&, const Vector3d&, Stamp time) {
-    return time >= stamp_from_seconds(10.0) && time < stamp_from_seconds(20.0);
+  spec.rate_hz = 1.0;
+  spec.tracking.dll_bandwidth_hz = 0.2;
+  spec.tracking.correlator_spacing_chips = 0.25;
+  spec.tracking.tracking_threshold_db_hz = 16.0;
+  // Jitter of a code where it is only just followed (Kaplan & Hegarty's formula).
+  const auto sigma_m = [&](GnssSystem system) {
+    const double spacing = spec.tracking.correlator_spacing_chips;
+    const double cn0_hz = std::pow(10.0, 0.1 * spec.tracking.tracking_threshold_db_hz);
+    const double squaring = 2.0 / ((2.0 - spacing) * spec.tracking.coherent_s * cn0_hz);
+    return modulation_of(system).peak_m() *
+           std::sqrt(spec.tracking.dll_bandwidth_hz * spacing / (2.0 * cn0_hz) * (1.0 + squaring));
   };
-  const auto fixes = fixes_of(spec, standing_still(30.0, kEpoch), tunnel);
-  ASSERT_EQ(fixes.size(), 150u);
-  for (const GnssFix& fix : fixes) {
-    const double t_s = to_seconds(fix.time);
-    // The first epoch in the open is at 20 s; those at 20.0 s…21.4 s are within 1.5 s of it.
-    EXPECT_EQ(fix.valid, t_s < 9.99 || t_s > 21.5) << t_s;
-    EXPECT_EQ(fix.satellites, t_s < 9.99 || t_s > 19.99 ? 28 : 0) << t_s;
-  }
-}
-
-TEST(Gnss, AGlimpseOfSkyIsTooShortToReacquire) {
-  GnssSpec spec;
-  spec.reacquisition_s = 1.5;
-  const SkyBlocked gaps = [](const Vector3d&, const Vector3d&, Stamp time) {
-    const double t_s = to_seconds(time);
-    return t_s > 1.9 && std::fmod(t_s, 2.0) < 0.9;  // 1.1 s open in every 2 s
+  const auto late_of = [&](const World& world) {
+    const RayScene scene(world, {});
+    Gnss gnss(spec, {0.0, 0.0, kAntennaHeight_m}, world, scene, kHongKong, kNoon, 1);
+    std::vector<GnssOutput> out;
+    // By satellite: the longest way that there has been. The street is the same all along.
+    std::map<SatelliteId, double> longest_m;
+    std::size_t late = 0;
+    for (int k = 0; k < 30; ++k) {
+      gnss.sample(trajectory, stamp_from_seconds(k), stamp_from_seconds(k + 1), out);
+      for (const Gnss::Truth& signal : gnss.last_truth()) {
+        for (const SignalPath& path : signal.paths) {
+          // To the far wall, 12 m, and back, and as often to and fro as it turns besides; or from
+          // what scatters within reach.
+          const double most_m = path.kind == PathKind::reflected
+                                    ? 2.0 * 12.0 + (path.turns - 1) * kWidth_m
+                                    : 2.0 * PathFinder::kReach_m;
+          EXPECT_LT(path.excess_m, most_m + 0.01);
+          EXPECT_LE(path.turns, 3);
+          double& longest = longest_m[signal.sight.id];
+          longest = std::max(longest, path.excess_m);
+        }
+        if (!signal.tracked) continue;
+        // More than noise.
+        if (signal.code_error_m > 15.0) ++late;
+        const GnssSystem system = signal.sight.id.system;
+        EXPECT_LT(signal.code_error_m, longest_m[signal.sight.id] + 4.0 * sigma_m(system));
+        EXPECT_GT(signal.code_error_m, -4.0 * sigma_m(system));
+      }
+    }
+    return late;
   };
-  const auto fixes = fixes_of(spec, standing_still(20.0, kEpoch), gaps);
-  for (const GnssFix& fix : fixes) EXPECT_EQ(fix.valid, to_seconds(fix.time) < 1.9);
-}
-
-TEST(Gnss, PartialCoverTakesSatellitesAndRaisesTheClaim) {
-  const Trajectory trajectory = standing_still(1.0, kEpoch);
-  const GnssFix open = fixes_of(GnssSpec{}, trajectory, open_sky).front();
-  const GnssFix partial = fixes_of(GnssSpec{}, trajectory, canyon).front();
-  ASSERT_TRUE(partial.valid);
-  EXPECT_LT(partial.satellites, open.satellites / 2 + 3);
-  EXPECT_GE(partial.satellites, 5);
-  const GnssSpec spec;
-  EXPECT_NEAR(std::sqrt(open.position_covariance_m2(0, 0)),
-              std::hypot(spec.horizontal_correlated_m, spec.horizontal_white_m), 1e-12);
-  for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_GT(partial.position_covariance_m2(axis, axis),
-              1.2 * open.position_covariance_m2(axis, axis));
-    EXPECT_GT(partial.velocity_covariance_m2_s2(axis, axis),
-              1.2 * open.velocity_covariance_m2_s2(axis, axis));
-  }
-  // Across the street more than along it.
-  EXPECT_GT(partial.position_covariance_m2(1, 1), 2.0 * partial.position_covariance_m2(0, 0));
-}
-
-TEST(Gnss, TooFewSatellitesGiveNoFix) {
-  const SkyBlocked slit = [](const Vector3d&, const Vector3d& d, Stamp) { return d.z() < 0.9; };
-  const auto fixes = fixes_of(GnssSpec{}, standing_still(1.0, kEpoch), slit);
-  ASSERT_EQ(fixes.size(), 5u);
-  for (const GnssFix& fix : fixes) {
-    EXPECT_FALSE(fix.valid);
-    EXPECT_GT(fix.satellites, 0);
-    EXPECT_LT(fix.satellites, 5);
-  }
+  EXPECT_EQ(late_of(open_world()), 0U);
+  EXPECT_GT(late_of(street_world(kWidth_m, 60.0)), 30U);
 }
 
 TEST(Gnss, SameSeedSameBytesHoweverTimeIsSliced) {
-  const SkyBlocked sky = [](const Vector3d& origin, const Vector3d& d, Stamp time) {
-    const double t_s = to_seconds(time);
-    return (t_s > 3.0 && t_s < 4.0) || canyon(origin, d, time);
-  };
-  const Trajectory trajectory = standing_still(20.0, kEpoch);
-  const auto whole = fixes_of(GnssSpec{}, trajectory, sky, 7);
-  Gnss gnss(GnssSpec{}, Vector3d::Zero(), 7);
-  std::vector<GnssFix> sliced;
+  const World world = street_world(24.0, 30.0);
+  const RayScene scene(world, {});
+  const Trajectory trajectory = trajectory_along(
+      [](double t) {
+        return Pose{.translation = {8.0 * t, 2.0, 0.0}};
+      },
+      6.0, kStep);
+  const auto whole = outputs_of({}, world, trajectory, 7);
+  Gnss gnss({}, {0.0, 0.0, kAntennaHeight_m}, world, scene, kHongKong, kNoon, 7);
+  std::vector<GnssOutput> sliced;
   const Duration slice{330'000'001};
   for (Stamp from = trajectory.start(); from < trajectory.end(); from += slice) {
-    gnss.sample(trajectory, sky, kFrame, from, std::min(from + slice, trajectory.end()), sliced);
+    gnss.sample(trajectory, from, std::min(from + slice, trajectory.end()), sliced);
   }
-  const auto other = fixes_of(GnssSpec{}, trajectory, sky, 8);
-  ASSERT_EQ(whole.size(), 100u);
+  const auto other = outputs_of({}, world, trajectory, 8);
+  ASSERT_GE(whole.size(), 29U);
   ASSERT_EQ(sliced.size(), whole.size());
-  int valid = 0;
   for (std::size_t i = 0; i < whole.size(); ++i) {
-    EXPECT_EQ(sliced[i].time, whole[i].time);
-    EXPECT_EQ(sliced[i].valid, whole[i].valid);
-    EXPECT_EQ(sliced[i].position.latitude_rad, whole[i].position.latitude_rad);
-    EXPECT_EQ(sliced[i].position.longitude_rad, whole[i].position.longitude_rad);
-    EXPECT_EQ(sliced[i].position.height_m, whole[i].position.height_m);
-    EXPECT_EQ(sliced[i].velocity_enu_m_s, whole[i].velocity_enu_m_s);
-    if (!whole[i].valid) continue;
-    ++valid;
-    EXPECT_NE(other[i].position.height_m, whole[i].position.height_m);
-    EXPECT_NE(other[i].velocity_enu_m_s, whole[i].velocity_enu_m_s);
-  }
-  EXPECT_GT(valid, 80);
-  EXPECT_LT(valid, 100);
-}
-
-TEST(GnssSpec, PresetsNameEveryKeyAndNothingElse) {
-  for (const char* name : {"ublox_m8t", "ublox_f9p", "rtk"}) {
-    GnssSpec spec;
-    FlatPreset preset("sim/gnss/presets/" + std::string(name) + ".yaml");
-    EXPECT_EQ(preset.problems(spec), "") << name;
-    EXPECT_EQ(preset.differs_from_default().empty(), name == std::string("ublox_f9p")) << name;
+    EXPECT_EQ(sliced[i].fix.valid, whole[i].fix.valid);
+    EXPECT_EQ(sliced[i].fix.position.latitude_rad, whole[i].fix.position.latitude_rad);
+    EXPECT_EQ(sliced[i].fix.velocity_enu_m_s, whole[i].fix.velocity_enu_m_s);
+    ASSERT_EQ(sliced[i].raw.observations.size(), whole[i].raw.observations.size());
+    ASSERT_FALSE(whole[i].raw.observations.empty());
+    for (std::size_t j = 0; j < whole[i].raw.observations.size(); ++j) {
+      EXPECT_EQ(sliced[i].raw.observations[j].pseudorange_m,
+                whole[i].raw.observations[j].pseudorange_m);
+      EXPECT_EQ(sliced[i].raw.observations[j].carrier_cycles,
+                whole[i].raw.observations[j].carrier_cycles);
+    }
+    EXPECT_NE(other[i].raw.observations[0].pseudorange_m,
+              whole[i].raw.observations[0].pseudorange_m);
   }
 }
 
-TEST(GnssSpec, PresetsHaveTheirCircularErrorProbable) {
-  for (const auto& [name, cep_m] : {std::pair{"ublox_m8t", 2.5}, {"ublox_f9p", 1.5}}) {
-    GnssSpec spec;
-    FlatPreset preset("sim/gnss/presets/" + std::string(name) + ".yaml");
-    ASSERT_EQ(preset.problems(spec), "");
-    // Median of a Rayleigh distribution; the presets' figures are rounded to 1 %.
-    const double cep = std::sqrt(2.0 * std::log(2.0)) *
-                       std::hypot(spec.horizontal_correlated_m, spec.horizontal_white_m);
-    EXPECT_NEAR(cep / cep_m, 1.0, 0.01) << name;
+TEST(Gnss, CarrierPhaseGrowsAsTheRangeUntilItSlips) {
+  GnssSpec spec;
+  spec.errors.scene = false;
+  const Trajectory trajectory = standing_still(5.0, kStep);
+  const auto outputs = outputs_of(spec, open_world(), trajectory);
+  ASSERT_GE(outputs.size(), 24U);
+  int compared = 0;
+  for (const GnssObservation& first : outputs[2].raw.observations) {
+    for (const GnssObservation& last : outputs[22].raw.observations) {
+      if (last.satellite != first.satellite || !first.carrier_locked || !last.carrier_locked ||
+          first.cn0_db_hz < 40.0) {
+        continue;
+      }
+      const double wavelength_m = kSpeedOfLight_m_s / first.carrier_hz;
+      const double by_phase_m = wavelength_m * (last.carrier_cycles - first.carrier_cycles);
+      double by_doppler_m = 0.0;
+      for (std::size_t i = 3; i <= 22; ++i) {
+        for (const GnssObservation& o : outputs[i].raw.observations) {
+          if (o.satellite == first.satellite) by_doppler_m -= 0.2 * wavelength_m * o.doppler_hz;
+        }
+      }
+      // Twenty Dopplers of 0.06 m/s noise, correlated over a few epochs, over 0.2 s each; the
+      // rates' change within an epoch.
+      EXPECT_NEAR(by_phase_m, by_doppler_m, 0.5) << first.satellite.name();
+      ++compared;
+    }
   }
+  EXPECT_GT(compared, 8);
 }
 
 TEST(GnssSpec, OutOfLimitsIsRefused) {
+  const World world = open_world();
+  const RayScene scene(world, {});
+  const auto made = [&](const GnssSpec& spec) {
+    return Gnss(spec, Vector3d::Zero(), world, scene, kHongKong, kNoon, 1).spec().rate_hz;
+  };
   GnssSpec spec;
   spec.rate_hz = 0.0;
-  EXPECT_THROW(Gnss(spec, Vector3d::Zero(), 1), InputError);
+  EXPECT_THROW(made(spec), InputError);
   spec = {};
-  spec.satellites_min = 29;
-  EXPECT_THROW(Gnss(spec, Vector3d::Zero(), 1), InputError);
+  spec.systems = {.gps = false, .glonass = false, .galileo = false, .beidou = false};
+  EXPECT_THROW(made(spec), InputError);
+  spec = {};
+  spec.solution.elevation_mask_rad = 1.6;
+  EXPECT_THROW(made(spec), InputError);
+  spec = {};
+  spec.tracking.correlator_spacing_chips = 1.5;
+  EXPECT_THROW(made(spec), InputError);
 }
 
 }  // namespace

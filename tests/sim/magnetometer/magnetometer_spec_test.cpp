@@ -38,7 +38,6 @@ TEST(MagnetometerSpec, MistakeInAnyKeyIsRefusedByName) {
   };
   const std::vector<Mistake> mistakes = {
       {"rate_hz", [](auto& s) { s.rate_hz = 0.0; }},
-      {"epoch_year", [](auto& s) { s.epoch_year = 2019.0; }},
       {"heading_sigma_deg", [](auto& s) { s.heading_sigma_rad = 0.0; }},
       {"noise_nT_sqrthz", [](auto& s) { s.noise_nT_sqrthz = -1.0; }},
       {"range_uT", [](auto& s) { s.range_uT = 0.0; }},

@@ -203,7 +203,10 @@ TEST(TownMaterials, AreWithinWhatEachPropertyAllows) {
     EXPECT_LE(material.reflectivity_905nm, 1.0) << material.name;
     EXPECT_GE(material.roughness_rad, 0.1) << material.name;
     EXPECT_LE(material.roughness_rad, 0.7) << material.name;
-    EXPECT_EQ(material.refractive_index, material.name == "glass" ? 1.52 : 0.0) << material.name;
+    const double index = material.name == "glass"          ? 1.52
+                         : material.name == "coated_glass" ? 1.9
+                                                           : 0.0;
+    EXPECT_EQ(material.refractive_index, index) << material.name;
   }
   const auto factor = [](TownMaterial m) { return town_materials()[id(m)].retroreflection; };
   EXPECT_NEAR(factor(TownMaterial::sign_retroreflective), 785.0, 1.0);

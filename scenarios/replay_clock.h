@@ -1,0 +1,27 @@
+#pragma once
+
+#include "core/time.h"
+#include "scenarios/replay_log.h"
+
+namespace locsim::scenarios {
+
+/// What to add to a GNSS log's stamps so that they agree with the IMU's clock.
+struct ClockOffset {
+  Duration offset{0};
+  /// Of the course's and the gyro's turns at that offset.
+  double correlation = 0.0;
+  /// Course turned for each radian that the gyro turned.
+  double slope = 0.0;
+  /// Intervals between fixes that were compared.
+  std::size_t intervals = 0;
+};
+
+/// Finds the offset within ±2 s at which the turns of the GNSS course from one reference fix to the
+/// next, above 2 m/s, correlate best with the vehicle's z gyro integrated over the same time; to
+/// 5 ms, then by a parabola through the best three. `T_vehicle_imu` turns the gyro into vehicle
+/// axes. An antenna that is x ahead of the point where the car does not slip sideways sees the
+/// course x / speed earlier, which cannot be told from a clock that is ahead. Throws InputError
+/// where the drive turns too little for a correlation of 0.5, or has too few fixes.
+[[nodiscard]] ClockOffset estimate_clock_offset(const DriveLog& log, const Pose& T_vehicle_imu);
+
+}  // namespace locsim::scenarios
