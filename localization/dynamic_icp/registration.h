@@ -98,7 +98,6 @@ struct AlignmentEffort {
                               const AlignmentEffort& effort = {});
 
 /// How `points` lie on the map at `pose`, without a step: everything but the iterations.
-
 [[nodiscard]] Alignment assess(const LocalMap& map, std::span<const Vector3f> points,
                                const Pose& pose, const AlignmentConfig& config);
 

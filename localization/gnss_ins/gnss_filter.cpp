@@ -138,6 +138,8 @@ void GnssFilter::correct_velocity(const GnssFix& fix, double interval_s) {
   }
 }
 
+// The prior is this filter's own attitude, so nothing is used twice there; the velocity that is
+// used here is not given to the filter as a velocity too, and it gets one between any two.
 bool GnssFilter::correct_attitude(const GnssFix& fix, const Matrix3d& covariance) {
   if (!config_.velocity_attitude || memory_.velocities_since_attitude == 0 ||
       to_seconds(fix.time - memory_.last_attitude) < config_.attitude_interval_s) {

@@ -16,20 +16,24 @@ constexpr float kOffLeaf_m = 0.01F;
 
 constexpr int kRays = static_cast<int>(RayBundle::kMost);
 
-void set(RTCRayHit16& packet, int lane, const RayBundle::Ray& ray) {
+void set(RTCRay16& packet, int lane, const RayBundle::Ray& ray) {
   const Vector3f origin = ray.origin.cast<float>();
   const Vector3f direction = ray.direction.cast<float>();
-  packet.ray.org_x[lane] = origin.x();
-  packet.ray.org_y[lane] = origin.y();
-  packet.ray.org_z[lane] = origin.z();
-  packet.ray.dir_x[lane] = direction.x();
-  packet.ray.dir_y[lane] = direction.y();
-  packet.ray.dir_z[lane] = direction.z();
-  packet.ray.tnear[lane] = 0.0F;
-  packet.ray.tfar[lane] = static_cast<float>(ray.max_range_m);
-  packet.ray.time[lane] = 0.0F;
-  packet.ray.mask[lane] = ~0U;
-  packet.ray.flags[lane] = 0U;
+  packet.org_x[lane] = origin.x();
+  packet.org_y[lane] = origin.y();
+  packet.org_z[lane] = origin.z();
+  packet.dir_x[lane] = direction.x();
+  packet.dir_y[lane] = direction.y();
+  packet.dir_z[lane] = direction.z();
+  packet.tnear[lane] = 0.0F;
+  packet.tfar[lane] = static_cast<float>(ray.max_range_m);
+  packet.time[lane] = 0.0F;
+  packet.mask[lane] = ~0U;
+  packet.flags[lane] = 0U;
+}
+
+void set(RTCRayHit16& packet, int lane, const RayBundle::Ray& ray) {
+  set(packet.ray, lane, ray);
   packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
   packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
 }
@@ -76,6 +80,24 @@ RadioRays::End RadioRays::cast(const Vector3d& origin, const Vector3d& direction
   one.add(origin, direction, max_range_m);
   std::vector<double> leaves_m;
   return cast(one, leaves_m)[0];
+}
+
+std::array<bool, RayBundle::kMost> RadioRays::are_shaded(const RayBundle& bundle) const {
+  std::array<bool, RayBundle::kMost> shaded{};
+  if (bundle.size == 0) return shaded;
+  alignas(64) RTCRay16 packet;
+  alignas(64) std::array<int, RayBundle::kMost> valid{};
+  for (int lane = 0; lane < kRays; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    valid[i] = i < bundle.size ? -1 : 0;
+    set(packet, lane, bundle.rays[i < bundle.size ? i : 0]);
+  }
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded16(valid.data(), scene_.standing_scene(), &context, &packet);
+  // What is met shows as a range below zero.
+  for (std::size_t i = 0; i < bundle.size; ++i) shaded[i] = packet.tfar[i] < 0.0F;
+  return shaded;
 }
 
 void RadioRays::cast_at_standing(const RayBundle& bundle, Ends& ends,

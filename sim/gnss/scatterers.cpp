@@ -96,13 +96,12 @@ Scatterers::Scatterers(const RadioRays& rays, std::span<const RadioMaterial> rad
 std::vector<SignalPath> Scatterers::find(const Vector3d& to_satellite) const {
   std::vector<SignalPath> paths;
   RayBundle bundle;
-  std::vector<double> leaves_m;
   const auto settle = [&] {
     // Paths whose ray ends somewhere go again, the last first.
-    const RadioRays::Ends ends = rays_.cast(bundle, leaves_m);
+    const auto shaded = rays_.are_shaded(bundle);
     const std::size_t first = paths.size() - bundle.size;
     for (std::size_t i = bundle.size; i-- > 0;) {
-      if (ends[i].is_met()) paths.erase(paths.begin() + static_cast<std::ptrdiff_t>(first + i));
+      if (shaded[i]) paths.erase(paths.begin() + static_cast<std::ptrdiff_t>(first + i));
     }
     bundle.size = 0;
   };
