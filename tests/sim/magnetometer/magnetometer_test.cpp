@@ -93,8 +93,7 @@ TEST(Magnetometer, CalibrationLeavesOneToTwoDegrees) {
   constexpr int kSeeds = 2000;
   const Pose level{.rotation = rotation_from_rpy(0.0, 0.0, -2.2)};
   for (const GeodeticPoint& at : {place(49.0, 8.4), place(22.3, 114.2), place(0.0, 0.0)}) {
-    const Setting setting{.T_vehicle_sensor = kMount,
-                          .earth_T = earth_field_enu_T(at, 2025.5)};
+    const Setting setting{.T_vehicle_sensor = kMount, .earth_T = earth_field_enu_T(at, 2025.5)};
     const double rms = rms_first_error_rad(spec, level, setting, kSeeds);
     EXPECT_GT(rms, 1.0 * kDegree);
     EXPECT_LT(rms, 2.1 * kDegree);
