@@ -21,7 +21,8 @@ struct RinexHeader {
 };
 
 /// RINEX 3.04 observation file of several systems: pseudorange, phase, Doppler and C/N0 of GPS and
-/// GLONASS C/A, Galileo E1 C and BeiDou B1I. An epoch without observations leaves a gap.
+/// GLONASS C/A, Galileo E1 C and BeiDou B1I. An epoch without observations leaves a gap,
+/// as does one whose receiver time does not rise.
 ///
 /// `start` is GPS time at Stamp{}. An epoch is dated by its `receiver_time`, to 100 ns, as RINEX
 /// wants it: then the time of sending, date less pseudorange/c, is free of the receiver's clock

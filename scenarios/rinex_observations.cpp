@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -146,8 +147,11 @@ std::string epoch_line(const GnssEpoch& epoch, sim::GpsTime start) {
 std::string rinex_observations(const RinexHeader& header, std::span<const GnssEpoch> epochs,
                                sim::GpsTime start) {
   std::string text = header_text(header, epochs, start);
+  std::optional<Stamp> last;
   for (const GnssEpoch& epoch : epochs) {
-    if (epoch.observations.empty()) continue;
+    // A receiver that repeats itself, stamps and all, brings no new epoch.
+    if (epoch.observations.empty() || (last && epoch.receiver_time <= *last)) continue;
+    last = epoch.receiver_time;
     text += epoch_line(epoch, start);
     for (const GnssObservation& seen : epoch.observations) text += observation_line(seen);
   }

@@ -80,7 +80,8 @@ double longest_without_fix_s(const GnssDrive& drive) {
     longest = std::max(longest, epoch.time - last);
     last = epoch.time;
   }
-  return to_seconds(std::max(longest, drive.epochs.back().time - last));
+  longest = std::max(longest, drive.epochs.back().time - last);
+  return to_seconds(std::max(longest - drive.period, Duration{0}));
 }
 
 /// Fixes of all drives.

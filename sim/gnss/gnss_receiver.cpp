@@ -144,11 +144,13 @@ void GnssReceiver::warm_up(const Trajectory& trajectory, Stamp start) {
   AntennaState standing = antenna(trajectory, start);
   standing.velocity_map_m_s.setZero();
   look_around(standing, start);
+  // Faults begin with the drive at the earliest.
+  const Stamp before = start - Duration{1};
   const auto count = static_cast<std::int64_t>(std::ceil(kWarmUp_s / spec_.tracking.coherent_s));
   std::vector<SignalComponent> components;
   for (std::size_t i = 0; i < truth_.size(); ++i) {
     Channel& tracker = channel(truth_[i].sight.id);
-    components_of(i, tracker.wavelength_m, standing, standing, start, start, components);
+    components_of(i, tracker.wavelength_m, standing, standing, before, before, components);
     tracker.tracking.start(components);
     for (std::int64_t k = 0; k < count; ++k) tracker.tracking.integrate(components, k);
   }
@@ -160,6 +162,8 @@ void GnssReceiver::track(const Trajectory& trajectory, Stamp epoch) {
   const Duration step = duration_from_seconds(spec_.tracking.coherent_s);
   const AntennaState at_epoch = antenna(trajectory, epoch);
   std::vector<SignalComponent> components;
+  for (auto& [id, tracker] : channels_) tracker.has_set = true;
+  for (const SignalTruth& signal : truth_) channel(signal.sight.id).has_set = false;
   const double signal_cn0_hz = zenith_cn0_hz(spec_.antenna, GnssSystem::gps);
   for (; next_integration_ + step <= epoch; next_integration_ += step, ++integrations_) {
     const Stamp middle = next_integration_ + step / 2;
@@ -169,6 +173,11 @@ void GnssReceiver::track(const Trajectory& trajectory, Stamp epoch) {
       Channel& tracker = channel(truth_[i].sight.id);
       components_of(i, tracker.wavelength_m, at_epoch, now, epoch, middle, components);
       tracker.tracking.integrate(components, integrations_, noise_db);
+    }
+    for (auto& [id, tracker] : channels_) {
+      if (tracker.has_set && tracker.tracking.is_tracking()) {
+        tracker.tracking.integrate({}, integrations_, noise_db);
+      }
     }
   }
 }

