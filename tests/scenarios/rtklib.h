@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -37,8 +38,9 @@ inline std::vector<RtklibFix> rtklib_fixes(const std::string& observations,
   }
   namespace fs = std::filesystem;
   const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-  const fs::path folder = fs::path(testing::TempDir()) /
-                          ("locsim_" + std::string(info->name()) + "_" + std::to_string(systems));
+  const fs::path folder =
+      fs::path(testing::TempDir()) / ("locsim_" + std::string(info->name()) + "_" +
+                                      std::to_string(systems) + "_" + std::to_string(getpid()));
   fs::create_directories(folder);
   std::string options =
       "pos1-posmode=single\npos1-frequency=l1\npos1-elmask=10\npos1-sateph=brdc\n"

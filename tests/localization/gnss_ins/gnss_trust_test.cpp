@@ -155,11 +155,17 @@ TEST(GnssStandstill, StopsTheDriftAndIsNotTakenForAnEvenDrive) {
   EXPECT_LT(drift_m(true), 0.2);
   EXPECT_GT(drift_m(false), 2.0);
 
-  // Without any noise of the road: still by its samples, but not by the belief.
-  DriveOptions even{.duration_s = 30.0, .start_speed_m_s = 10.0};
-  Drive drive = make_drive(even);
-  GnssOdometry odometry(drive.rig, drive_origin(), {});
-  feed(drive, odometry);
+  // Without any noise of the road: still by its samples, but not by the belief, not even where an
+  // outage with a bad IMU leaves it so unsure that the gate would let anything in.
+  const Drive even = make_drive({.duration_s = 30.0, .start_speed_m_s = 10.0});
+  GnssOdometryConfig unsure;
+  unsure.imu_noise_scale = 200.0;
+  unsure.non_holonomic = false;
+  GnssOdometry odometry(even.rig, drive_origin(), unsure);
+  feed(even, odometry, [](const GnssFix& fix) {
+    return to_seconds(fix.time) <= 10.0 ? std::optional(fix) : std::nullopt;
+  });
+  EXPECT_GT(odometry.filter().inertial().covariance()(kVelocityRow, kVelocityRow), 25.0);
   EXPECT_EQ(odometry.filter().report().standstills, 0);
 }
 
