@@ -233,7 +233,7 @@ render::Image draw_canyon(const GnssFigures& ours) {
                  &Cn0Class::beyond_15_m, 100.0),
       class_plot(ours, "errors beyond 50 m", "% of observations", {0.0, 60.0, false},
                  &Cn0Class::beyond_50_m, 100.0),
-      class_plot(ours, "range rate error under way, 95 %", "error [m/s]", {0.0, 12.0, false},
+      class_plot(ours, "range rate error under way, 95 %", "error [m/s]", {0.0, 16.0, false},
                  &Cn0Class::rate_moving_m_s, 1.0)};
   return draw_plots(plots, 2, "GNSS in a street canyon: UrbanNav-HK and simulated", 1350);
 }
