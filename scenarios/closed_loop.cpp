@@ -93,16 +93,8 @@ std::vector<sim::MountedLidar> mounted_lidars(const SensorSuite& sensors) {
 }
 
 localization::Rig make_rig(const SensorSuite& sensors) {
-  localization::Rig rig;
-  rig.T_vehicle_imu = sensors.imu.mount.pose();
+  localization::Rig rig = inertial_rig(sensors.imu, sensors.gnss.mount);
   for (const LidarSetup& lidar : sensors.lidar) rig.T_vehicle_lidar.push_back(lidar.mount.pose());
-  rig.antenna_in_vehicle_m = sensors.gnss.mount.pose().translation;
-  const sim::ImuSpec& imu = sensors.imu.spec;
-  rig.imu_rate_hz = imu.rate_hz;
-  rig.gyro_noise_rad_s_sqrthz = imu.gyro_noise_rad_s_sqrthz();
-  rig.accel_noise_m_s2_sqrthz = imu.accelerometer_noise_m_s2_sqrthz();
-  rig.gyro_bias_walk_rad_s2_sqrthz = imu.gyro_bias_walk_rad_s_sqrts();
-  rig.accel_bias_walk_m_s3_sqrthz = imu.accelerometer_bias_walk_m_s2_sqrts();
   return rig;
 }
 

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
-#include <initializer_list>
 #include <limits>
 
-#include "core/error.h"
+#include "scenarios/csv_reader.h"
 #include "scenarios/text_io.h"
 #include "scenarios/yaml_parameters.h"
 
@@ -21,95 +18,36 @@ constexpr std::size_t kFewestSamples = 3;
 constexpr double kGapIntervals = 1.5;
 constexpr std::size_t kValues = std::size(kImuColumns);
 
-std::string_view strip(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-void split(std::string_view text, std::vector<std::string_view>& fields) {
-  fields.clear();
-  while (true) {
-    const std::size_t end = text.find(',');
-    fields.push_back(strip(text.substr(0, end)));
-    if (end == std::string_view::npos) return;
-    text.remove_prefix(end + 1);
-  }
-}
-
-// Where the reader is.
-struct Place {
-  const std::string& file;
-  std::size_t line = 0;
-
-  [[noreturn]] void fail(const std::string& problem) const {
-    throw InputError(file + ":" + std::to_string(line) + ": " + problem);
-  }
-  [[noreturn]] void fail(std::string_view column, const std::string& problem) const {
-    fail(std::string(column) + ": " + problem);
-  }
-};
-
 struct Columns {
-  std::size_t count = 0;
   std::string_view time_name;
   std::size_t time = 0;
   std::array<std::size_t, kValues> values{};
 };
 
-Columns find_columns(const std::vector<std::string_view>& header, const Place& place) {
-  const auto find = [&](std::string_view name) {
-    const auto found = std::ranges::find(header, name);
-    if (found != header.end() && std::find(found + 1, header.end(), name) != header.end()) {
-      place.fail(name, "stands twice in the header");
-    }
-    return static_cast<std::size_t>(found - header.begin());
-  };
-  Columns columns{.count = header.size(), .time_name = kImuTimeGps, .time = find(kImuTimeGps)};
-  if (columns.time == header.size()) {
-    columns.time_name = kImuTime;
-    columns.time = find(kImuTime);
-  } else if (find(kImuTime) != header.size()) {
-    place.fail("the header names both t_gps_s and t_s; leave one");
-  }
-  std::string missing = columns.time == header.size() ? " t_gps_s or t_s" : "";
+Columns find_columns(const CsvReader& csv) {
+  const auto gps = csv.find(kImuTimeGps);
+  const auto own = csv.find(kImuTime);
+  if (gps && own) csv.fail("the header names both t_gps_s and t_s; leave one");
+  Columns columns{.time_name = gps ? kImuTimeGps : kImuTime, .time = gps.value_or(own.value_or(0))};
+  std::string missing = gps || own ? "" : " t_gps_s or t_s";
   for (std::size_t i = 0; i < kValues; ++i) {
-    columns.values[i] = find(kImuColumns[i]);
-    if (columns.values[i] == header.size()) missing += " " + std::string(kImuColumns[i]);
+    const auto column = csv.find(kImuColumns[i]);
+    columns.values[i] = column.value_or(0);
+    if (!column) missing += " " + std::string(kImuColumns[i]);
   }
   if (!missing.empty()) {
     std::string names = "t_gps_s (or t_s)";
     for (const std::string_view name : kImuColumns) names += ", " + std::string(name);
-    place.fail("the header lacks" + missing + "; it must name " + names + ", in any order");
+    csv.fail("the header lacks" + missing + "; it must name " + names + ", in any order");
   }
   return columns;
 }
 
-double number(std::string_view field, std::string_view column, const Place& place) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (error != std::errc{} || end != field.data() + field.size() || !std::isfinite(value)) {
-    place.fail(column, "'" + std::string(field) + "' is not a number");
-  }
-  return value;
-}
-
-ImuSample read_sample(const std::vector<std::string_view>& fields, const Columns& columns,
-                      const Place& place) {
-  if (fields.size() != columns.count) {
-    place.fail(std::to_string(fields.size()) + " fields where the header has " +
-               std::to_string(columns.count) + "; is the line cut short?");
-  }
-  ImuSample sample;
-  const std::string_view time = fields[columns.time];
-  if (const auto stamp = parse_seconds(time)) {
-    sample.time = *stamp;
-  } else {
-    place.fail(columns.time_name, "'" + std::string(time) + "' is not a time in seconds");
-  }
+ImuSample read_sample(const CsvReader& csv, const Columns& columns) {
+  ImuSample sample{.time = csv.time(columns.time)};
   for (std::size_t i = 0; i < kValues; ++i) {
     Vector3d& to = i < 3 ? sample.specific_force_m_s2 : sample.angular_rate_rad_s;
-    to[static_cast<Eigen::Index>(i % 3)] = number(fields[columns.values[i]], kImuColumns[i], place);
+    to[static_cast<Eigen::Index>(i % 3)] = csv.number(columns.values[i]);
   }
   return sample;
 }
@@ -156,37 +94,22 @@ std::vector<sim::Stretch> ImuLog::without_gaps() const {
 }
 
 ImuLog read_imu_log(const fs::path& file) {
-  const std::string content = read_text_file(file);
+  CsvReader csv(file);
+  const Columns columns = find_columns(csv);
   ImuLog log;
-  log.source = file.string();
-  Place place{.file = log.source};
-  Columns columns;
-  std::vector<std::string_view> fields;
-  std::string_view rest = content;
-  while (!rest.empty()) {
-    ++place.line;
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    const std::string_view text = strip(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    if (text.empty() || text.front() == '#') continue;
-    split(text, fields);
-    if (columns.count == 0) {
-      columns = find_columns(fields, place);
-      continue;
-    }
-    const ImuSample sample = read_sample(fields, columns, place);
+  log.source = csv.source();
+  log.time_column = columns.time_name;
+  while (csv.next()) {
+    const ImuSample sample = read_sample(csv, columns);
     if (!log.samples.empty() && sample.time <= log.samples.back().time) {
-      place.fail(columns.time_name, std::string(fields[columns.time]) + " does not lie after " +
-                                        exact_seconds(log.samples.back().time) +
-                                        " of the sample before; sort the log by time");
+      csv.fail(columns.time, "does not lie after " + exact_seconds(log.samples.back().time) +
+                                 " of the sample before; sort the log by time");
     }
     log.samples.push_back(sample);
   }
-  if (columns.count == 0) place.fail("the file is empty, needs a header and samples");
-  log.time_column = columns.time_name;
   if (log.samples.size() < kFewestSamples) {
-    place.fail("the file ends after " + std::to_string(log.samples.size()) +
-               " samples, needs at least " + std::to_string(kFewestSamples));
+    csv.fail("the file ends after " + std::to_string(log.samples.size()) +
+             " samples, needs at least " + std::to_string(kFewestSamples));
   }
   measure_intervals(log);
   return log;

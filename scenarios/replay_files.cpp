@@ -108,11 +108,7 @@ void make_replay_folder(const fs::path& folder) {
 
 void write_replay(const ReplayReport& report, const fs::path& folder) {
   make_replay_folder(folder);
-  std::vector<std::pair<Stamp, Pose>> poses;
-  for (const localization::Estimate& estimate : report.result.estimates) {
-    poses.emplace_back(estimate.time, estimate.T_map_vehicle);
-  }
-  write_text_file(folder / run_file::kEstimateTum, tum_text(poses));
+  write_text_file(folder / run_file::kEstimateTum, tum_text(report.result.estimates));
   write_text_file(folder / run_file::kEstimate, estimate_csv(report.result.estimates));
   write_text_file(folder / "windows.csv", windows_csv(report));
   write_text_file(folder / "rig.yaml", to_yaml(report.rig));

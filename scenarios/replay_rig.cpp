@@ -17,8 +17,6 @@ namespace {
 
 constexpr std::string_view kNoPreset = "none";
 constexpr const char* kDefaultLocalizer = "gnss_ins";
-constexpr Bounds kMountBounds{.min = -20.0, .max = 20.0};
-constexpr Bounds kTurnBounds{.min = -360.0, .max = 360.0};
 
 // Names each key of a rig file once, for reading and for writing.
 class RigDescription {
@@ -30,16 +28,18 @@ class RigDescription {
   void describe(ReplayRig& rig) {
     p_.begin_group("imu");
     describe_preset(rig.imu);
-    describe_mount(rig.imu.mount, true);
+    p_.begin_group("mount");
+    rig.imu.mount.describe_pose(p_);
+    p_.end_group();
     rig.imu.spec.describe(p_);
     p_.end_group();
     p_.begin_group("gnss");
-    describe_mount(rig.gnss_mount, false);
+    p_.begin_group("mount");
+    rig.gnss_mount.describe_position(p_);
+    p_.end_group();
     p_.number("latency_s", rig.gnss_latency_s, {.min = 0.0, .max = 10.0});
     p_.end_group();
-    p_.begin_group("localizer");
-    describe_localizer(rig.localizer);
-    p_.end_group();
+    p_.group("localizer", rig.localizer);
   }
 
  private:
@@ -59,32 +59,6 @@ class RigDescription {
     }
     imu.spec = load_imu(file.string()).spec;
     imu.preset = kNoPreset;
-  }
-
-  void describe_mount(Mount& mount, bool has_direction) {
-    p_.begin_group("mount");
-    p_.number("x_m", mount.position_m.x(), kMountBounds);
-    p_.number("y_m", mount.position_m.y(), kMountBounds);
-    p_.number("z_m", mount.position_m.z(), kMountBounds);
-    if (has_direction) {
-      p_.degrees("roll_deg", mount.roll_pitch_yaw_rad.x(), kTurnBounds);
-      p_.degrees("pitch_deg", mount.roll_pitch_yaw_rad.y(), kTurnBounds);
-      p_.degrees("yaw_deg", mount.roll_pitch_yaw_rad.z(), kTurnBounds);
-    }
-    p_.end_group();
-  }
-
-  void describe_localizer(LocalizerSetup& localizer) {
-    std::vector<std::string_view> kinds;
-    for (const localization::LocalizerKind& kind : localization::localizer_kinds()) {
-      kinds.push_back(kind.name);
-    }
-    const std::string before = localizer.kind;
-    p_.choice("kind", localizer.kind, kinds);
-    if (localizer.kind != before) {
-      localizer.settings = localization::make_localizer_settings(localizer.kind);
-    }
-    localizer.settings->describe(p_);
   }
 
   Parameters& p_;
@@ -119,14 +93,8 @@ ReplayRig::ReplayRig() {
 }
 
 localization::Rig ReplayRig::rig(double imu_rate_hz) const {
-  localization::Rig rig;
-  rig.T_vehicle_imu = imu.mount.pose();
-  rig.antenna_in_vehicle_m = gnss_mount.position_m;
+  localization::Rig rig = inertial_rig(imu, gnss_mount);
   rig.imu_rate_hz = imu_rate_hz;
-  rig.gyro_noise_rad_s_sqrthz = imu.spec.gyro_noise_rad_s_sqrthz();
-  rig.accel_noise_m_s2_sqrthz = imu.spec.accelerometer_noise_m_s2_sqrthz();
-  rig.gyro_bias_walk_rad_s2_sqrthz = imu.spec.gyro_bias_walk_rad_s_sqrts();
-  rig.accel_bias_walk_m_s3_sqrthz = imu.spec.accelerometer_bias_walk_m_s2_sqrts();
   return rig;
 }
 

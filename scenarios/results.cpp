@@ -1,19 +1,17 @@
 #include "scenarios/results.h"
 
 #include <algorithm>
-#include <fstream>
-#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "core/error.h"
+#include "scenarios/estimate_text.h"
 #include "scenarios/imu_log.h"
 #include "scenarios/nmea.h"
 #include "scenarios/output_folder.h"
 #include "scenarios/rinex.h"
 #include "scenarios/run_files.h"
 #include "scenarios/text_io.h"
-#include "scenarios/yaml_parameters.h"
 
 namespace locsim::scenarios {
 
@@ -28,46 +26,6 @@ Json to_json(std::optional<double> value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-void append(std::string& row, char separator, std::initializer_list<double> values) {
-  for (const double value : values) {
-    row += separator;
-    row += shortest_text(value);
-  }
-}
-
-void append_pose(std::string& row, char separator, const Pose& pose) {
-  const Vector3d& t = pose.translation;
-  const Eigen::Quaterniond& q = pose.rotation;
-  append(row, separator, {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()});
-}
-
-template <typename Sample>
-std::string tum_text(const std::vector<Sample>& samples) {
-  std::string text = "# t_s x_m y_m z_m qx qy qz qw\n";
-  for (const Sample& sample : samples) {
-    text += exact_seconds(sample.time);
-    append_pose(text, ' ', sample.T_map_vehicle);
-    text += '\n';
-  }
-  return text;
-}
-
-std::string estimate_csv(const std::vector<localization::Estimate>& estimates) {
-  std::string text = std::string(kEstimateHeader) + "\n";
-  for (const localization::Estimate& estimate : estimates) {
-    text += exact_seconds(estimate.time);
-    append_pose(text, ',', estimate.T_map_vehicle);
-    const Vector3d& v = estimate.velocity_m_s;
-    append(text, ',', {v.x(), v.y(), v.z()});
-    const Vector6d sigma = estimate.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    const Vector3d sigma_deg = kDegreesPerRadian * sigma.tail<3>();
-    append(text, ',', {sigma[0], sigma[1], sigma[2]});
-    append(text, ',', {sigma_deg[0], sigma_deg[1], sigma_deg[2]});
-    text += "," + std::string(to_string(estimate.state)) + "\n";
-  }
-  return text;
-}
-
 std::string gnss_csv(const std::vector<GnssFix>& fixes, const GeodeticPoint& origin) {
   const LocalFrame frame(origin);
   std::string text = std::string(kGnssHeader) + "\n";
@@ -79,12 +37,12 @@ std::string gnss_csv(const std::vector<GnssFix>& fixes, const GeodeticPoint& ori
       const Vector3d& v = fix.velocity_enu_m_s;
       const Vector3d sigma = fix.position_covariance_m2.diagonal().cwiseMax(0.0).cwiseSqrt();
       const Vector3d sigma_v = fix.velocity_covariance_m2_s2.diagonal().cwiseMax(0.0).cwiseSqrt();
-      append(
+      append_values(
           text, ',',
           {at.latitude_rad * kDegreesPerRadian, at.longitude_rad * kDegreesPerRadian, at.height_m});
-      append(text, ',', {p.x(), p.y(), p.z(), v.x(), v.y(), v.z()});
-      append(text, ',', {sigma[0], sigma[1], sigma[2], sigma_v[0], sigma_v[1], sigma_v[2]});
-      append(text, ',', {fix.hdop, fix.vdop});
+      append_values(text, ',', {p.x(), p.y(), p.z(), v.x(), v.y(), v.z()});
+      append_values(text, ',', {sigma[0], sigma[1], sigma[2], sigma_v[0], sigma_v[1], sigma_v[2]});
+      append_values(text, ',', {fix.hdop, fix.vdop});
       text += fix.state == FixState::two_dimensional ? ",2d" : ",3d";
     } else {
       text.append(17, ',');

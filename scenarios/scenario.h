@@ -70,6 +70,9 @@ struct Mount {
   Vector3d roll_pitch_yaw_rad = Vector3d::Zero();
 
   [[nodiscard]] Pose pose() const;
+  /// Keys of an antenna's mount, which has no direction, and of a sensor's that has one.
+  void describe_position(Parameters& p);
+  void describe_pose(Parameters& p);
 };
 
 template <typename Spec>
@@ -114,7 +117,12 @@ struct LocalizerSetup {
 
   /// The first kind of the registry, with its defaults.
   LocalizerSetup();
+  /// `kind` and the keys of that kind; another kind starts from its defaults.
+  void describe(Parameters& p);
 };
+
+/// IMU and antenna as their calibration sheets tell a localizer; without LIDARs.
+[[nodiscard]] localization::Rig inertial_rig(const ImuSetup& imu, const Mount& antenna);
 
 /// Everything that a run is made from. Paths are absolute. Made by load_scenario(), which fills in
 /// the sensors' presets.

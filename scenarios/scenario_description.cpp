@@ -93,7 +93,7 @@ void ScenarioDescription::describe(Scenario& scenario) {
   p_.list("weather", scenario.weather);
   check_weather_times(scenario);
   group("map", scenario.map);
-  group("localizer", scenario.localizer);
+  p_.group("localizer", scenario.localizer);
   describe_expectations(scenario.expect);
 }
 
@@ -194,13 +194,10 @@ void ScenarioDescription::describe_mount(Mount& mount, MountKeys keys) {
     return;
   }
   p_.begin_group("mount");
-  p_.number("x_m", mount.position_m.x(), {.min = -20.0, .max = 20.0});
-  p_.number("y_m", mount.position_m.y(), {.min = -20.0, .max = 20.0});
-  p_.number("z_m", mount.position_m.z(), {.min = -20.0, .max = 20.0});
   if (keys == MountKeys::pose) {
-    p_.degrees("roll_deg", mount.roll_pitch_yaw_rad.x(), {.min = -360.0, .max = 360.0});
-    p_.degrees("pitch_deg", mount.roll_pitch_yaw_rad.y(), {.min = -360.0, .max = 360.0});
-    p_.degrees("yaw_deg", mount.roll_pitch_yaw_rad.z(), {.min = -360.0, .max = 360.0});
+    mount.describe_pose(p_);
+  } else {
+    mount.describe_position(p_);
   }
   p_.end_group();
 }
@@ -293,19 +290,6 @@ void ScenarioDescription::describe(MapSetup& map) {
   } else {
     path("file", map.file, PathKind::folder);
   }
-}
-
-void ScenarioDescription::describe(LocalizerSetup& localizer) {
-  std::vector<std::string_view> kinds;
-  for (const localization::LocalizerKind& kind : localization::localizer_kinds()) {
-    kinds.push_back(kind.name);
-  }
-  const std::string before = localizer.kind;
-  p_.choice("kind", localizer.kind, kinds);
-  if (localizer.kind != before) {
-    localizer.settings = localization::make_localizer_settings(localizer.kind);
-  }
-  localizer.settings->describe(p_);
 }
 
 void ScenarioDescription::describe_expectations(std::vector<Criterion>& expect) {

@@ -24,7 +24,6 @@ class ScenarioDescription {
   void describe(VehicleSetup& vehicle);
   void describe(SensorSuite& sensors);
   void describe(MapSetup& map);
-  void describe(LocalizerSetup& localizer);
   void describe_expectations(std::vector<Criterion>& expect);
 
   enum class MountKeys { position, pose };

@@ -38,6 +38,20 @@ void set(RTCRayHit16& packet, int lane, const RayBundle::Ray& ray) {
   packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
 }
 
+using Lanes = std::array<int, RayBundle::kMost>;
+
+/// −1 for each lane that has a ray of the bundle. Embree reads dark lanes too.
+template <typename Packet>
+Lanes fill(Packet& packet, const RayBundle& bundle) {
+  Lanes valid{};
+  for (int lane = 0; lane < kRays; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    valid[i] = i < bundle.size ? -1 : 0;
+    set(packet, lane, bundle.rays[i < bundle.size ? i : 0]);
+  }
+  return valid;
+}
+
 Vector3d on_side_of(const Vector3d& direction, const Vector3d& normal) {
   return normal.dot(direction) > 0.0 ? Vector3d(-normal) : normal;
 }
@@ -86,12 +100,7 @@ std::array<bool, RayBundle::kMost> RadioRays::are_shaded(const RayBundle& bundle
   std::array<bool, RayBundle::kMost> shaded{};
   if (bundle.size == 0) return shaded;
   alignas(64) RTCRay16 packet;
-  alignas(64) std::array<int, RayBundle::kMost> valid{};
-  for (int lane = 0; lane < kRays; ++lane) {
-    const auto i = static_cast<std::size_t>(lane);
-    valid[i] = i < bundle.size ? -1 : 0;
-    set(packet, lane, bundle.rays[i < bundle.size ? i : 0]);
-  }
+  alignas(64) const Lanes valid = fill(packet, bundle);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded16(valid.data(), scene_.standing_scene(), &context, &packet);
@@ -103,13 +112,7 @@ std::array<bool, RayBundle::kMost> RadioRays::are_shaded(const RayBundle& bundle
 void RadioRays::cast_at_standing(const RayBundle& bundle, Ends& ends,
                                  std::vector<Leaf>& leaves) const {
   alignas(64) RTCRayHit16 packet;
-  alignas(64) std::array<int, RayBundle::kMost> valid{};
-  for (int lane = 0; lane < kRays; ++lane) {
-    const auto i = static_cast<std::size_t>(lane);
-    valid[i] = i < bundle.size ? -1 : 0;
-    // Embree reads dark lanes too.
-    set(packet, lane, bundle.rays[i < bundle.size ? i : 0]);
-  }
+  alignas(64) Lanes valid = fill(packet, bundle);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   bool is_going_on = true;

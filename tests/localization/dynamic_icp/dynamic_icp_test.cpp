@@ -13,11 +13,6 @@ namespace {
 
 using namespace testing;
 
-const maps::PriorMap& street_map() {
-  static const maps::PriorMap map(kOrigin, Street{}.survey());
-  return map;
-}
-
 /// A street whose houses are all the same, 10 m apart, without end as far as the LIDAR sees.
 Street repeated_street() {
   Street street;

@@ -13,11 +13,6 @@ namespace {
 
 using namespace testing;
 
-const maps::PriorMap& street_map() {
-  static const maps::PriorMap map(kOrigin, Street{}.survey());
-  return map;
-}
-
 Vector6d offset() {
   Vector6d xi;
   xi << 0.4, 0.3, -0.2, 0.01, -0.01, 0.03;

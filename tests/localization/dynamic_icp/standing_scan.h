@@ -7,6 +7,12 @@
 
 namespace locsim::localization::testing {
 
+/// Of the street as it is by default.
+inline const maps::PriorMap& street_map() {
+  static const maps::PriorMap map(kOrigin, Street{}.survey());
+  return map;
+}
+
 /// Points of a scan from where the drive stands, vehicle frame, one for each voxel.
 inline std::vector<Vector3f> standing_scan(const Street& street, const Drive& drive,
                                            double voxel_m = 0.8, double time_s = 0.5) {
