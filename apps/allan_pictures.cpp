@@ -106,7 +106,7 @@ render::Image draw_allan_report(const AllanReport& report) {
 
 render::Image draw_allan_sheet(const std::vector<AllanReport>& reports) {
   constexpr std::size_t kColumns = 3;
-  render::AllanPicture picture{.columns = kColumns, .one_legend = true, .width_px = 2400};
+  render::AllanPicture picture{.columns = kColumns, .one_legend = true, .width_px = 1800};
   picture.title =
       "Allan deviation of simulated units at rest beside what they are specified to have";
   for (std::size_t first = 0; first < reports.size(); first += kColumns) {
