@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "localization/dynamic_icp/dynamic_icp_localizer.h"
 #include "localization/gnss_ins/gnss_ins_localizer.h"
 #include "localization/icp/icp_localizer.h"
 
@@ -13,6 +14,9 @@ namespace locsim::localization {
 namespace {
 
 constexpr std::array kKinds = {
+    LocalizerKind{"dynamic_icp",
+                  "the paper's framework: Algorithm 1 to the prior map, IMU preintegration, GNSS",
+                  make_dynamic_icp_settings},
     LocalizerKind{"icp", "PCL's point-to-point ICP to the prior map, joined with the IMU",
                   make_icp_settings},
     LocalizerKind{"gnss_ins",

@@ -154,8 +154,10 @@ DynamicIcpResult DynamicIcp::relocalize(std::span<const Vector3f> points, const 
   if (guess.yaw_sigma_rad && std::isfinite(*guess.yaw_sigma_rad)) {
     area.heading_rad = std::min(std::numbers::pi, config_.heading_sigmas * *guess.yaw_sigma_rad);
   }
+  const double heading_rad = area.heading_rad;
   while (result.tries < config_.tries_max && result.candidates < config_.candidates_budget) {
     ++result.tries;
+    area.heading_rad = std::min(std::numbers::pi, heading_rad * search_growth_);
     area.shape_m2 = search_shape(guess.covariance_xy_m2, config_.sigmas * search_growth_,
                                  config_.search_min_m * search_growth_, config_.search_max_m);
     result.region_radius_m = area.radius_m() + reach_m(near);
@@ -179,6 +181,7 @@ DynamicIcpResult DynamicIcp::relocalize(std::span<const Vector3f> points, const 
       }
     }
     const bool is_widest =
+        area.heading_rad >= std::numbers::pi &&
         area.shape_m2.trace() >= 2.0 * config_.search_max_m * config_.search_max_m * (1.0 - 1e-9);
     if (is_widest) break;
     search_growth_ *= config_.growth;
@@ -186,7 +189,8 @@ DynamicIcpResult DynamicIcp::relocalize(std::span<const Vector3f> points, const 
   return result;
 }
 
-DynamicIcpResult DynamicIcp::track(std::span<const Vector3f> points, const Pose& prediction) {
+DynamicIcpResult DynamicIcp::track(std::span<const Vector3f> points, const Pose& prediction,
+                                   double position_sigma_m) {
   DynamicIcpResult result;
   result.alignment.T_map_vehicle = prediction;
   const std::vector<Vector3f> near = within(points, config_.scan_range_m);
@@ -195,7 +199,8 @@ DynamicIcpResult DynamicIcp::track(std::span<const Vector3f> points, const Pose&
 
   while (result.tries < config_.tries_max) {
     ++result.tries;
-    const double first_m = config_.alignment.correspondence_first_m * track_growth_;
+    const double first_m = track_growth_ * std::max(config_.alignment.correspondence_first_m,
+                                                    config_.sigmas * position_sigma_m);
     // Lines 1–5, with the IMU's prediction for GNSS's guess.
     result.region_radius_m = reach_m(near) + first_m;
     if (!map_.cut(prediction.translation, result.region_radius_m)) return result;

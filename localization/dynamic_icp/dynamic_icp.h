@@ -91,8 +91,10 @@ class DynamicIcp {
   /// Algorithm 1 from GNSS, for the start and when lost. `points` are of one moment, vehicle frame.
   [[nodiscard]] DynamicIcpResult relocalize(std::span<const Vector3f> points,
                                             const GnssGuess& guess);
-  /// Algorithm 1 from the IMU's prediction: one candidate, a region of the scan's size.
-  [[nodiscard]] DynamicIcpResult track(std::span<const Vector3f> points, const Pose& prediction);
+  /// Algorithm 1 from the IMU's prediction, whose horizontal position is known to
+  /// `position_sigma_m`: one candidate, a region of the scan's size and of that uncertainty.
+  [[nodiscard]] DynamicIcpResult track(std::span<const Vector3f> points, const Pose& prediction,
+                                       double position_sigma_m = 0.0);
 
   [[nodiscard]] const LocalMap& local_map() const { return map_; }
   /// How many times as far as configured the next call looks at first: grows with tries that

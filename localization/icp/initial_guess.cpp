@@ -49,6 +49,14 @@ void InitialGuess::add(const MagneticHeading& heading) {
 }
 
 std::optional<Guess> InitialGuess::make() const {
+  return make(true);
+}
+
+std::optional<Guess> InitialGuess::make_at_rest() const {
+  return make(false);
+}
+
+std::optional<Guess> InitialGuess::make(bool heading_needed) const {
   if (samples_.empty() || samples_.back().time - samples_.front().time < kWindowMin || !fix_) {
     return std::nullopt;
   }
@@ -87,7 +95,7 @@ std::optional<Guess> InitialGuess::make() const {
       yaw_sigma = speed_sigma / speed;
     }
   }
-  if (yaw_sigma > 30.0 * kDegree) return std::nullopt;
+  if (yaw_sigma > 30.0 * kDegree && (heading_needed || !standing)) return std::nullopt;
 
   const Vector3d up = rig_.T_vehicle_imu.rotation * force;
   const double roll = std::atan2(up.y(), up.z());

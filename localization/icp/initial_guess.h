@@ -29,9 +29,14 @@ class InitialGuess {
 
   /// A guess at the time of the newest IMU sample, or nothing while something is missing or stale.
   [[nodiscard]] std::optional<Guess> make() const;
+  /// The same with a yaw of 0 that means nothing, while the vehicle stands; for a search that
+  /// covers all headings.
+  [[nodiscard]] std::optional<Guess> make_at_rest() const;
   [[nodiscard]] const LocalFrame& frame() const { return frame_; }
 
  private:
+  [[nodiscard]] std::optional<Guess> make(bool heading_needed) const;
+
   Rig rig_;
   LocalFrame frame_;
   std::deque<ImuSample> samples_;
