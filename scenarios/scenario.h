@@ -108,6 +108,8 @@ struct MapSetup {
   /// Of the survey, and whether it has the cars that stood at a town's kerbs on that day.
   std::int64_t day = 0;
   bool parked_cars = true;
+  /// Share of the map that the world has changed under since, `maps::age`.
+  double stale = 0.0;
 };
 
 struct LocalizerSetup {

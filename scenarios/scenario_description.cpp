@@ -290,6 +290,7 @@ void ScenarioDescription::describe(MapSetup& map) {
   } else {
     path("file", map.file, PathKind::folder);
   }
+  p_.number("stale", map.stale, kShare);
 }
 
 void ScenarioDescription::describe_expectations(std::vector<Criterion>& expect) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "maps/ageing.h"
 #include "maps/build/survey.h"
 #include "sim/traffic/traffic.h"
 #include "sim/world/mesh_world.h"
@@ -48,6 +49,20 @@ std::vector<sim::Actor> build_traffic(const Scenario& scenario, const Stage& sta
                            Stamp{}, stamp_from_seconds(time_limit_s(scenario, stage)));
 }
 
+maps::PriorMap fresh_map(const Scenario& scenario, const Stage& stage) {
+  if (scenario.map.source == "file") {
+    maps::PriorMap map = maps::load(scenario.map.file);
+    check_same_origin(map, stage.world.origin, scenario.map.file);
+    return map;
+  }
+  const std::array<const TriangleMesh*, 3> standing = {&stage.world.ground, &stage.world.structures,
+                                                       &stage.survey_cars};
+  std::vector<Vector3d> path;
+  for (const sim::RoutePoint& point : stage.route.points()) path.push_back(point.position);
+  return maps::build::survey(standing, scenario.map.survey, stage.world.origin, scenario.world.seed,
+                             path);
+}
+
 }  // namespace
 
 Stage build_stage(const Scenario& scenario) {
@@ -77,17 +92,9 @@ Stage build_stage(const Scenario& scenario) {
 }
 
 std::shared_ptr<const maps::PriorMap> build_map(const Scenario& scenario, const Stage& stage) {
-  if (scenario.map.source == "file") {
-    auto map = std::make_shared<const maps::PriorMap>(maps::load(scenario.map.file));
-    check_same_origin(*map, stage.world.origin, scenario.map.file);
-    return map;
-  }
-  const std::array<const TriangleMesh*, 3> standing = {&stage.world.ground, &stage.world.structures,
-                                                       &stage.survey_cars};
-  std::vector<Vector3d> path;
-  for (const sim::RoutePoint& point : stage.route.points()) path.push_back(point.position);
-  return std::make_shared<const maps::PriorMap>(maps::build::survey(
-      standing, scenario.map.survey, stage.world.origin, scenario.world.seed, path));
+  maps::PriorMap map = fresh_map(scenario, stage);
+  if (scenario.map.stale > 0.0) map = maps::age(map, scenario.map.stale, scenario.seed);
+  return std::make_shared<const maps::PriorMap>(std::move(map));
 }
 
 double time_limit_s(const Scenario& scenario, const Stage& stage) {
