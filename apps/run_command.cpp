@@ -71,7 +71,10 @@ void print_table(const scenarios::RunResult& result) {
 /// starts from its defaults.
 scenarios::Scenario load_with_localizer(const std::string& file, std::vector<std::string> overrides,
                                         const std::string& localizer) {
-  if (scenarios::load_scenario(file, overrides).localizer.kind != localizer) {
+  // Keys of the localizer asked for are none of that in the file.
+  std::vector<std::string> others = overrides;
+  std::erase_if(others, [](const std::string& text) { return text.starts_with("localizer."); });
+  if (scenarios::load_scenario(file, others).localizer.kind != localizer) {
     overrides.insert(overrides.begin(), "localizer={kind: " + localizer + "}");
   }
   return scenarios::load_scenario(file, overrides);

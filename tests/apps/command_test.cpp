@@ -105,6 +105,12 @@ TEST_F(Command, UnknownLocalizerNamesThoseThereAre) {
               AllOf(HasSubstr("magic"), HasSubstr("icp")));
 }
 
+TEST_F(Command, KeysOfTheLocalizerAskedForAreNotThoseOfTheFiles) {
+  EXPECT_THAT(
+      refusal(kFirstDrive + " --localizer dynamic_icp --set localizer.fusion.enabled=perhaps"),
+      AllOf(HasSubstr("localizer.fusion.enabled"), HasSubstr("perhaps")));
+}
+
 TEST_F(Command, UnknownScoreInExpectIsRefused) {
   EXPECT_THAT(refusal_of_text("name: bad\nexpect:\n  ate_rms: \"< 1\"\n"),
               AllOf(HasSubstr("bad.yaml:3"), HasSubstr("ate_rms"), HasSubstr("ate_rmse_m")));
