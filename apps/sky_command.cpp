@@ -91,10 +91,11 @@ render::SkyPlot sky_plot(const SkyReport& report, const std::string& name, doubl
 }
 
 void print_satellites(const SkyReport& report) {
-  std::printf("\n%-9s %8s %10s   %-14s %7s %11s %13s %13s\n", "satellite", "azimuth", "elevation",
-              "signal", "C/N0", "reflections", "strongest's", "strongest's");
-  std::printf("%-9s %8s %10s   %-14s %7s %11s %13s %13s\n", "", "[deg]", "[deg]", "", "[dB-Hz]", "",
-              "excess [m]", "power [dB]");
+  std::printf("\n%-9s %8s %10s   %-14s %7s %11s %13s %13s %13s  %s\n", "satellite", "azimuth",
+              "elevation", "signal", "C/N0", "reflections", "strongest's", "strongest's",
+              "strongest's", "strongest's");
+  std::printf("%-9s %8s %10s   %-14s %7s %11s %13s %13s %13s  %s\n", "", "[deg]", "[deg]", "",
+              "[dB-Hz]", "", "excess [m]", "power [dB]", "grazing [deg]", "surface");
   for (const SkySatellite& satellite : report.satellites) {
     std::printf("%-9s %8.1f %10.1f   %-14s", satellite.id.name().c_str(),
                 satellite.azimuth_rad / kDegree, satellite.elevation_rad / kDegree,
@@ -106,9 +107,11 @@ void print_satellites(const SkyReport& report) {
     }
     std::printf(" %11d", satellite.reflections);
     if (satellite.strongest) {
-      std::printf(" %13.2f %13.1f\n", satellite.strongest->excess_m, satellite.strongest->power_db);
+      const SkySatellite::Reflection& strongest = *satellite.strongest;
+      std::printf(" %13.2f %13.1f %13.1f  %s\n", strongest.excess_m, strongest.power_db,
+                  strongest.grazing_rad / kDegree, strongest.material.c_str());
     } else {
-      std::printf(" %13s %13s\n", "-", "-");
+      std::printf(" %13s %13s %13s  -\n", "-", "-", "-");
     }
   }
 }

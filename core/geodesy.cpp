@@ -26,6 +26,17 @@ GeographicLib::LocalCartesian make_enu(const GeodeticPoint& origin) {
 
 }  // namespace
 
+Matrix3d ecef_from_enu(const GeodeticPoint& place) {
+  const double latitude = place.latitude_rad;
+  const double longitude = place.longitude_rad;
+  const Vector3d up(std::cos(latitude) * std::cos(longitude),
+                    std::cos(latitude) * std::sin(longitude), std::sin(latitude));
+  const Vector3d east(-std::sin(longitude), std::cos(longitude), 0.0);
+  Matrix3d R_ecef_enu;
+  R_ecef_enu << east, up.cross(east), up;
+  return R_ecef_enu;
+}
+
 LocalFrame::LocalFrame(const GeodeticPoint& origin) : origin_(origin), enu_(make_enu(origin)) {}
 
 Vector3d LocalFrame::to_map(const GeodeticPoint& point) const {

@@ -13,6 +13,9 @@ struct GeodeticPoint {
   double height_m = 0.0;
 };
 
+/// Columns: unit vectors east, north and up at `place` in earth-centred, earth-fixed axes.
+[[nodiscard]] Matrix3d ecef_from_enu(const GeodeticPoint& place);
+
 /// The `map` frame: East-North-Up, tangent to the ellipsoid at `origin`.
 class LocalFrame {
  public:

@@ -72,6 +72,7 @@ SkyStatus status_of(std::span<const sim::SignalPath> paths) {
 
 SkySatellite describe_satellite(const sim::SatelliteSight& sight,
                                 std::span<const sim::SignalPath> paths,
+                                std::span<const Material> materials,
                                 const sim::AntennaSpec& antenna) {
   SkySatellite satellite{.id = sight.id,
                          .azimuth_rad = sight.azimuth_rad(),
@@ -87,7 +88,10 @@ SkySatellite describe_satellite(const sim::SatelliteSight& sight,
     ++satellite.reflections;
     if (power <= strongest) continue;
     strongest = power;
-    satellite.strongest = {.excess_m = path.excess_m, .power_db = 10.0 * std::log10(power / open)};
+    satellite.strongest = {.excess_m = path.excess_m,
+                           .power_db = 10.0 * std::log10(power / open),
+                           .material = materials[path.material].name,
+                           .grazing_rad = path.grazing_rad};
   }
   if (together > 0.0) {
     satellite.cn0_db_hz =
@@ -159,7 +163,8 @@ SkyReport look_at_sky(const sim::World& world, const sim::RayScene& scene, const
   for (const sim::SatelliteSight& sight : sights) directions.push_back(sight.direction);
   const auto paths = sim::PathFinder(world, scene).find(place.antenna_map, directions, place.time);
   for (std::size_t i = 0; i < sights.size(); ++i) {
-    report.satellites.push_back(describe_satellite(sights[i], paths[i], antenna));
+    report.satellites.push_back(
+        describe_satellite(sights[i], paths[i], scene.materials(), antenna));
   }
   return report;
 }

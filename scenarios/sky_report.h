@@ -65,6 +65,9 @@ struct SkySatellite {
     double excess_m = 0.0;
     /// Received, over the same satellite's straight signal if nothing stood in its way.
     double power_db = 0.0;
+    /// The surface next to the antenna: its material by name, and the angle at which it is met.
+    std::string material;
+    double grazing_rad = 0.0;
   };
   /// The strongest one.
   std::optional<Reflection> strongest;

@@ -155,7 +155,8 @@ RayScene::RayScene(const World& world, std::span<const Actor> actors)
 RayScene::ScenePtr RayScene::build(std::span<const TriangleMesh* const> meshes) const {
   ScenePtr scene(rtcNewScene(device_.get()));
   check(device_.get());
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  // Radio looks through leaves by a filter of its own.
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
   for (unsigned i = 0; i < meshes.size(); ++i) {
     add_mesh(device_.get(), scene.get(), *meshes[i], i);

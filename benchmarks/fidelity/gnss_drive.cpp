@@ -38,9 +38,9 @@ class Schedule {
   std::size_t i_ = 0;
 };
 
-std::vector<SatelliteRecord> satellites_of(const std::vector<sim::Gnss::Truth>& truth) {
+std::vector<SatelliteRecord> satellites_of(const std::vector<sim::SignalTruth>& truth) {
   std::vector<SatelliteRecord> records;
-  for (const sim::Gnss::Truth& t : truth) {
+  for (const sim::SignalTruth& t : truth) {
     const auto strongest = std::ranges::max_element(t.paths, {}, &sim::SignalPath::power_db);
     records.push_back({.id = t.sight.id,
                        .elevation_rad = t.sight.elevation_rad(),

@@ -4,12 +4,13 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <numbers>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include "sim/gnss/direct_path.h"
 #include "sim/gnss/fresnel_zone.h"
+#include "sim/gnss/mirror_plane.h"
 
 namespace locsim::sim {
 
@@ -24,9 +25,6 @@ constexpr double kSameDirection = 1e-6;
 // Walls that throw to and fro.
 constexpr double kFacing = -0.9;
 constexpr double kLeastSine = 0.02;
-constexpr double kLeastPower = 1e-4;
-constexpr double kOff_m = 0.01;
-constexpr double kSky_m = 1000.0;
 constexpr std::size_t kPoints = 8;
 constexpr std::size_t kTurnsMost = 3;
 
@@ -57,11 +55,10 @@ struct Field {
   std::complex<double> co = 1.0;
   std::complex<double> cross = 0.0;
 
-  void reflect(const CircularReflection& by, double phase_rad) {
-    const std::complex<double> turn = std::polar(1.0, phase_rad);
+  void reflect(const CircularReflection& by) {
     const Field before = *this;
-    co = turn * (by.co * before.co + by.cross * before.cross);
-    cross = turn * (by.cross * before.co + by.co * before.cross);
+    co = by.co * before.co + by.cross * before.cross;
+    cross = by.cross * before.co + by.co * before.cross;
   }
 };
 
@@ -132,7 +129,7 @@ std::optional<SignalPath> Bounces::follow(Sequence sequence, const Vector3d& ant
       points[i] = from + end.range_m * way->directions[i];
       is_as_supposed = is_as_supposed && (end.normal - normals[i]).norm() < kSameDirection;
       normals[i] = end.normal;
-      from = points[i] + kOff_m * end.normal;
+      from = points[i] + RadioRays::kOff_m * end.normal;
       if (i == 0) material = end.material;
     }
     way = way_of(std::span(normals).first(turns), to_satellite);
@@ -167,35 +164,26 @@ std::optional<SignalPath> Bounces::follow(Sequence sequence, const Vector3d& ant
     std::vector<double> leaves_m;
     const RadioRays::Ends met = rays_.cast(bundle, leaves_m);
     path.foliage_m += RadioRays::depth_m(leaves_m);
-    const double grazing_rad = std::asin(std::min(way->sines[i], 1.0));
-    std::optional<MaterialId> known_material;
-    CircularReflection reflection;
+    MirrorPlane mirror(radio_, normals[i], points[i], RadioRays::kStands, way->sines[i],
+                       kSameNormal);
     RayBundle next;
     for (std::size_t k = 0; k < bundle.size; ++k) {
-      if (!met[k].is_met() || met[k].actor != RadioRays::kStands ||
-          met[k].normal.dot(normals[i]) < kSameNormal) {
-        continue;
-      }
-      const Vector3d point = bundle.rays[k].origin + met[k].range_m * bundle.rays[k].direction;
-      const double before_m = normals[i].dot(point - points[i]);
-      if (std::abs(before_m) > kRelief_m) continue;
-      if (known_material != met[k].material) {
-        known_material = met[k].material;
-        reflection = reflect_rough(radio_[met[k].material], grazing_rad, kL1Wavelength_m);
-      }
+      const auto patch = mirror.met(bundle.rays[k], met[k]);
+      if (!patch) continue;
       Field field = fields[k];
-      field.reflect(reflection,
-                    4.0 * std::numbers::pi * before_m * way->sines[i] / kL1Wavelength_m);
+      field.reflect(mirror.reflection(*patch));
       fields[next.size] = field;
       const bool is_last = i + 1 == turns;
-      next.add(point + kOff_m * normals[i], way->directions[i + 1], is_last ? kSky_m : reach_m_);
+      next.add(patch->point + RadioRays::kOff_m * normals[i], way->directions[i + 1],
+               is_last ? RadioRays::kSky_m : reach_m_);
     }
     bundle = next;
   }
   std::vector<double> leaves_m;
-  const RadioRays::Ends blocked = rays_.cast(bundle, leaves_m);
+  const RadioRays::Shades shades = rays_.shades(bundle);
   for (std::size_t k = 0; k < bundle.size; ++k) {
-    if (blocked[k].is_met()) continue;
+    if (shades[k].is_dark) continue;
+    std::ranges::copy(shades[k].leaves_m, std::back_inserter(leaves_m));
     path.co += fields[k].co;
     path.cross += fields[k].cross;
   }
@@ -203,7 +191,7 @@ std::optional<SignalPath> Bounces::follow(Sequence sequence, const Vector3d& ant
   const double weight = foliage_amplitude(path.foliage_m) / static_cast<double>(kPoints);
   path.co *= weight;
   path.cross *= weight;
-  if (std::norm(path.co) + std::norm(path.cross) < kLeastPower) return std::nullopt;
+  if (std::norm(path.co) + std::norm(path.cross) < kLeastMirroredPower) return std::nullopt;
   return path;
 }
 

@@ -12,8 +12,9 @@ constexpr double kGlonassStep_s = 60.0;
 
 double eccentric_anomaly(double mean_anomaly_rad, double eccentricity) {
   double anomaly_rad = mean_anomaly_rad;
-  // Newton's steps square the error: five do for any eccentricity that a circular-orbit system has.
-  for (int i = 0; i < 8; ++i) {
+  // Newton's steps square the error: at an eccentricity of 0.5, 1e-13 rad are left after four, and
+  // rounding after five; at 0.02 after three.
+  for (int i = 0; i < 5; ++i) {
     anomaly_rad -= (anomaly_rad - eccentricity * std::sin(anomaly_rad) - mean_anomaly_rad) /
                    (1.0 - eccentricity * std::cos(anomaly_rad));
   }

@@ -214,12 +214,6 @@ GlonassEphemeris glonass_ephemeris(const RepeatingOrbit& orbit, GpsTime toe) {
               acceleration - glonass_acceleration(state.position_ecef_m, state.velocity_ecef_m_s)};
 }
 
-Eigen::Matrix3d map_from_ecef(const GeodeticPoint& origin) {
-  return (Eigen::AngleAxisd(-(std::numbers::pi / 2.0 - origin.latitude_rad), Vector3d::UnitX()) *
-          Eigen::AngleAxisd(-(std::numbers::pi / 2.0 + origin.longitude_rad), Vector3d::UnitZ()))
-      .toRotationMatrix();
-}
-
 SatelliteSight sight(const RepeatingOrbit& orbit, const Vector3d& antenna_ecef, GpsTime time,
                      const Eigen::Matrix3d& R_map_ecef) {
   const double spin = earth_model(orbit.id.system).rotation_rad_s;
@@ -256,13 +250,6 @@ Constellation::Constellation(std::vector<GnssSystem> systems) {
   for (const GnssSystem system : systems) add_system(system, orbits_);
 }
 
-std::vector<SatelliteState> Constellation::at(GpsTime time) const {
-  std::vector<SatelliteState> states;
-  states.reserve(orbits_.size());
-  for (const RepeatingOrbit& orbit : orbits_) states.push_back(evaluate(orbit, time));
-  return states;
-}
-
 BroadcastOrbit Constellation::broadcast(SatelliteId id, GpsTime toe) const {
   const auto orbit = std::ranges::find(orbits_, id, &RepeatingOrbit::id);
   if (orbit == orbits_.end())
@@ -278,7 +265,7 @@ std::vector<SatelliteSight> Constellation::in_view(const LocalFrame& frame,
     throw InputError("elevation mask " + std::to_string(mask_rad / kDegree) +
                      " deg: needs to be within [-90, 90] deg");
   }
-  const Eigen::Matrix3d R_map_ecef = map_from_ecef(frame.origin());
+  const Eigen::Matrix3d R_map_ecef = ecef_from_enu(frame.origin()).transpose();
   const Vector3d antenna_ecef = frame.to_ecef(antenna_map_m);
   std::vector<SatelliteSight> seen;
   for (const RepeatingOrbit& orbit : orbits_) {

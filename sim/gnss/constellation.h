@@ -34,7 +34,6 @@ class Constellation {
   explicit Constellation(std::vector<GnssSystem> systems);
 
   [[nodiscard]] const std::vector<RepeatingOrbit>& orbits() const { return orbits_; }
-  [[nodiscard]] std::vector<SatelliteState> at(GpsTime time) const;
   /// What the satellite would broadcast for `toe`; throws InputError where it is none of these.
   [[nodiscard]] BroadcastOrbit broadcast(SatelliteId id, GpsTime toe) const;
   /// Satellites whose signals arrive at `time` from at least `mask_rad` above the horizon of the

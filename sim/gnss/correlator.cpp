@@ -101,7 +101,7 @@ Modulation modulation_of(GnssSystem system) {
 }
 
 Correlation::Correlation(const Modulation& modulation, double bandwidth_hz)
-    : chip_m_(modulation.chip_m()), steps_per_m_(kStepsPerChip / chip_m_) {
+    : steps_per_m_(kStepsPerChip / modulation.chip_m()) {
   check_bandwidth(bandwidth_hz);
   constexpr int kSteps = kChips * kStepsPerChip;
   table_.assign(kSteps + 2, 0.0);

@@ -34,10 +34,8 @@ class Correlation {
   Correlation(const Modulation& modulation, double bandwidth_hz);
   /// At a delay, either sign [m]; 0 beyond what is tabulated.
   [[nodiscard]] double at(double delay_m) const;
-  [[nodiscard]] double chip_m() const { return chip_m_; }
 
  private:
-  double chip_m_;
   double steps_per_m_;
   /// At 0, 1, … steps; the last two are 0.
   std::vector<double> table_;

@@ -1,7 +1,6 @@
 #include "sim/gnss/earth_place.h"
 
 #include <GeographicLib/Geocentric.hpp>
-#include <cmath>
 #include <numbers>
 
 namespace locsim::sim {
@@ -14,14 +13,9 @@ EarthPlace EarthPlace::at(const Vector3d& position_ecef_m) {
   GeographicLib::Geocentric::WGS84().Reverse(position_ecef_m.x(), position_ecef_m.y(),
                                              position_ecef_m.z(), latitude_deg, longitude_deg,
                                              place.geodetic.height_m);
-  const double latitude = latitude_deg * kDegree;
-  const double longitude = longitude_deg * kDegree;
-  place.geodetic.latitude_rad = latitude;
-  place.geodetic.longitude_rad = longitude;
-  const Vector3d up(std::cos(latitude) * std::cos(longitude),
-                    std::cos(latitude) * std::sin(longitude), std::sin(latitude));
-  const Vector3d east(-std::sin(longitude), std::cos(longitude), 0.0);
-  place.R_ecef_enu << east, up.cross(east), up;
+  place.geodetic.latitude_rad = latitude_deg * kDegree;
+  place.geodetic.longitude_rad = longitude_deg * kDegree;
+  place.R_ecef_enu = ecef_from_enu(place.geodetic);
   return place;
 }
 

@@ -7,8 +7,9 @@
 
 namespace locsim::sim {
 
-/// Of GPS L1 and Galileo E1, 1575.42 MHz; BeiDou B1I and GLONASS L1 are within 2 % of it.
-inline constexpr double kL1Wavelength_m = kSpeedOfLight_m_s / 1575.42e6;
+/// Of GPS L1 and Galileo E1; BeiDou B1I and GLONASS L1 are within 2 % of it.
+inline constexpr double kL1Carrier_hz = 1575.42e6;
+inline constexpr double kL1Wavelength_m = kSpeedOfLight_m_s / kL1Carrier_hz;
 
 /// A half space as radio waves meet it.
 struct RadioMaterial {

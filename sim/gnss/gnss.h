@@ -26,8 +26,6 @@ struct GnssOutput {
 /// Nothing of the truth but what reached the antenna gets into its messages.
 class Gnss {
  public:
-  using Truth = SignalTruth;
-
   /// `start`: GPS time at Stamp{}. `world` and `scene` must outlive it. Throws InputError where
   /// `spec` is out of its limits.
   Gnss(const GnssSpec& spec, const Vector3d& antenna_in_vehicle_m, const World& world,
@@ -42,7 +40,7 @@ class Gnss {
   [[nodiscard]] const GnssSpec& spec() const { return spec_; }
   [[nodiscard]] const GnssReceiver& receiver() const { return receiver_; }
   /// Of the last epoch.
-  [[nodiscard]] const std::vector<Truth>& last_truth() const { return receiver_.truth(); }
+  [[nodiscard]] const std::vector<SignalTruth>& last_truth() const { return receiver_.truth(); }
 
  private:
   [[nodiscard]] GnssOutput epoch(const Trajectory& trajectory, const SampleTimes& times,

@@ -70,7 +70,10 @@ class GnssReceiver {
  private:
   struct Channel {
     TrackingChannel tracking;
+    double carrier_hz = 0.0;
     double wavelength_m = 0.0;
+    /// Root of the C/N0 [Hz] of an unobstructed signal from the zenith.
+    double zenith_amplitude = 0.0;
     /// Whole cycles by which the phase's count is off, drawn anew after each slip.
     double ambiguity_cycles = 0.0;
     std::uint64_t counts = 0;
@@ -88,19 +91,35 @@ class GnssReceiver {
     std::complex<double> field = 0.0;
   };
 
+  /// An instant within an epoch, the same for all satellites.
+  struct Moment {
+    Stamp time;
+    AntennaState antenna;
+    /// By which a bad cable weakens all signals.
+    double cable_amplitude = 1.0;
+    bool is_outage = false;
+  };
+  /// Where the antenna is at an epoch.
+  struct Place {
+    GeodeticPoint geodetic;
+    Vector3d ecef_m = Vector3d::Zero();
+  };
+
   void look_around(const AntennaState& antenna, Stamp time);
   [[nodiscard]] Channel& channel(SatelliteId id);
-  /// What arrives at `time`, from the paths as they are at `epoch`, carried there by how the
-  /// antenna and what reflects have moved.
-  void components_of(std::size_t signal, double wavelength_m, const AntennaState& at_epoch,
-                     const AntennaState& now, Stamp epoch, Stamp time,
-                     std::vector<SignalComponent>& out) const;
+  /// By signal of truth_.
+  [[nodiscard]] std::vector<Channel*> channels_of_truth();
+  [[nodiscard]] Moment moment(const AntennaState& antenna, Stamp time) const;
+  /// What arrives at `now`, from the paths as they are at `epoch`, carried there by how the antenna
+  /// and what reflects have moved.
+  void components_of(std::size_t signal, const Channel& channel, const AntennaState& at_epoch,
+                     Stamp epoch, const Moment& now, std::vector<SignalComponent>& out) const;
   void warm_up(const Trajectory& trajectory, Stamp start);
   /// Integrates up to `epoch`.
   void track(const Trajectory& trajectory, Stamp epoch);
   [[nodiscard]] GnssObservation observe(SignalTruth& signal, Channel& channel,
                                         const TrackingChannel::Measurement& measured,
-                                        const AntennaState& antenna, Stamp time,
+                                        const AntennaState& antenna, const Place& place, Stamp time,
                                         const std::optional<GeodeticPoint>& last_fix) const;
   [[nodiscard]] double system_delay_m(GnssSystem system) const;
   void set_ionosphere(GnssObservation& observation, const SatelliteSight& sight, double delay_m,

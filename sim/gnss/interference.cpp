@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/gnss/correlator.h"
+
 namespace locsim::sim {
 
 namespace {
 
 constexpr double kSpectralMatch = 1.5;
-constexpr double kChipRate_hz = 1.023e6;
 
 }  // namespace
 
@@ -22,13 +23,14 @@ double Interference::attenuation_db(Stamp time) const {
 }
 
 double Interference::noise_density_db(Stamp time, double signal_cn0_hz) const {
+  const double chip_rate_hz = modulation_of(GnssSystem::gps).chip_rate_hz;
   double density = 1.0;
   for (const auto& [interval, jammer] : faults_.all<GnssJamming>()) {
     if (!interval.contains(time)) continue;
     const double on_s = to_seconds(time - interval.begin);
     const double share = jammer.ramp_s > 0.0 ? std::min(on_s / jammer.ramp_s, 1.0) : 1.0;
     const double jammer_to_signal = std::pow(10.0, share * jammer.jammer_to_signal_db / 10.0);
-    density += jammer_to_signal * signal_cn0_hz / (kSpectralMatch * kChipRate_hz);
+    density += jammer_to_signal * signal_cn0_hz / (kSpectralMatch * chip_rate_hz);
   }
   return 10.0 * std::log10(density);
 }

@@ -108,4 +108,12 @@ std::optional<Integrity> exclude_outliers(std::vector<Equation>& equations, doub
   return integrity;
 }
 
+std::optional<Integrity> solve_by_spec(const SolutionSpec& spec, std::vector<Equation>& equations,
+                                       const std::function<bool()>& is_enough) {
+  if (spec.raim) return exclude_outliers(equations, spec.raim_false_alarm, is_enough);
+  const auto solution = solve_least_squares(equations);
+  if (!solution) return std::nullopt;
+  return Integrity{.solution = *solution};
+}
+
 }  // namespace locsim::sim

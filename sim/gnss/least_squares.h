@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "sim/gnss/gnss_spec.h"
+
 namespace locsim::sim {
 
 /// Position, clock, and the delays of three systems against the fourth.
@@ -55,5 +57,11 @@ struct Integrity {
 [[nodiscard]] std::optional<Integrity> exclude_outliers(std::vector<Equation>& equations,
                                                         double false_alarm,
                                                         const std::function<bool()>& is_enough);
+
+/// exclude_outliers() where `spec` wants integrity monitored; else all equations' solution as it
+/// comes.
+[[nodiscard]] std::optional<Integrity> solve_by_spec(const SolutionSpec& spec,
+                                                     std::vector<Equation>& equations,
+                                                     const std::function<bool()>& is_enough);
 
 }  // namespace locsim::sim

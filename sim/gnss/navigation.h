@@ -16,13 +16,12 @@ class Navigation {
   explicit Navigation(const SolutionSpec& spec);
   /// Epochs in the order of their times.
   [[nodiscard]] GnssFix fix(const GnssEpoch& epoch);
-  /// The last position, earth-fixed, if there has been one: for the models of the atmosphere.
-  [[nodiscard]] std::optional<Vector3d> last_ecef_m() const { return last_ecef_m_; }
 
  private:
   bool smoothing_;
   PositionSolver solver_;
   MotionFilter filter_;
+  /// Of the last fix: where the next solution begins.
   std::optional<Vector3d> last_ecef_m_;
 };
 

@@ -47,12 +47,7 @@ std::optional<RateFit> fit_rates(const SolutionSpec& spec, const GnssEpoch& epoc
       if (equations[k].used) left.push_back(toward_enu[k]);
     return dilution(left, ranges.height_is_held).position <= spec.pdop_max;
   };
-  std::optional<Integrity> integrity;
-  if (spec.raim) {
-    integrity = exclude_outliers(equations, spec.raim_false_alarm, is_enough);
-  } else if (const auto solution = solve_least_squares(equations)) {
-    integrity = Integrity{.solution = *solution};
-  }
+  const auto integrity = solve_by_spec(spec, equations, is_enough);
   if (!integrity) return std::nullopt;
   const LeastSquares& solution = integrity->solution;
   return RateFit{

@@ -29,6 +29,7 @@ void set(RTCRay16& packet, int lane, const RayBundle::Ray& ray) {
   packet.tfar[lane] = static_cast<float>(ray.max_range_m);
   packet.time[lane] = 0.0F;
   packet.mask[lane] = ~0U;
+  packet.id[lane] = static_cast<unsigned>(lane);
   packet.flags[lane] = 0U;
 }
 
@@ -50,6 +51,27 @@ Lanes fill(Packet& packet, const RayBundle& bundle) {
     set(packet, lane, bundle.rays[i < bundle.size ? i : 0]);
   }
   return valid;
+}
+
+/// What the filter below works on: Embree hands it the context of the call.
+struct LeafContext : RTCIntersectContext {
+  const RayScene& scene;
+  std::span<const RadioMaterial> radio;
+  RadioRays::Shades& shades;
+};
+
+/// Notes leaves and takes them out of what rays meet. Some may come twice.
+void let_through_leaves(const RTCFilterFunctionNArguments* of) {
+  auto& context = *static_cast<LeafContext*>(of->context);
+  for (unsigned i = 0; i < of->N; ++i) {
+    if (of->valid[i] == 0) continue;
+    const MaterialId material = context.scene.standing_material(RTCHitN_geomID(of->hit, of->N, i),
+                                                                RTCHitN_primID(of->hit, of->N, i));
+    if (!context.radio[material].is_foliage) continue;
+    context.shades[RTCRayN_id(of->ray, of->N, i)].leaves_m.push_back(
+        RTCRayN_tfar(of->ray, of->N, i));
+    of->valid[i] = 0;
+  }
 }
 
 Vector3d on_side_of(const Vector3d& direction, const Vector3d& normal) {
@@ -96,17 +118,33 @@ RadioRays::End RadioRays::cast(const Vector3d& origin, const Vector3d& direction
   return cast(one, leaves_m)[0];
 }
 
-std::array<bool, RayBundle::kMost> RadioRays::are_shaded(const RayBundle& bundle) const {
-  std::array<bool, RayBundle::kMost> shaded{};
-  if (bundle.size == 0) return shaded;
+RadioRays::Shades RadioRays::standing_shades(const RayBundle& bundle) const {
+  Shades shades;
+  if (bundle.size == 0) return shades;
   alignas(64) RTCRay16 packet;
   alignas(64) const Lanes valid = fill(packet, bundle);
-  RTCIntersectContext context;
+  LeafContext context{{}, scene_, radio_, shades};
   rtcInitIntersectContext(&context);
+  context.filter = let_through_leaves;
   rtcOccluded16(valid.data(), scene_.standing_scene(), &context, &packet);
   // What is met shows as a range below zero.
-  for (std::size_t i = 0; i < bundle.size; ++i) shaded[i] = packet.tfar[i] < 0.0F;
-  return shaded;
+  for (std::size_t i = 0; i < bundle.size; ++i) shades[i].is_dark = packet.tfar[i] < 0.0F;
+  return shades;
+}
+
+RadioRays::Shades RadioRays::shades(const RayBundle& bundle) const {
+  Shades shades = standing_shades(bundle);
+  for (const Body& body : bodies_) {
+    for (std::size_t i = 0; i < bundle.size; ++i) {
+      if (shades[i].is_dark) continue;
+      End end;
+      std::vector<Leaf> leaves;
+      cast_at_body(body, bundle.rays[i], i, end, leaves);
+      shades[i].is_dark = end.is_met();
+      for (const Leaf& leaf : leaves) shades[i].leaves_m.push_back(leaf.range_m);
+    }
+  }
+  return shades;
 }
 
 void RadioRays::cast_at_standing(const RayBundle& bundle, Ends& ends,

@@ -35,6 +35,11 @@ struct RayBundle {
 class RadioRays {
  public:
   static constexpr std::uint32_t kStands = ~std::uint32_t{0};
+  /// How far to look towards a satellite: nothing of a world that is 10° up stands higher than this
+  /// reaches.
+  static constexpr double kSky_m = 1000.0;
+  /// Off a surface before looking on from it: more than a float of the map frame.
+  static constexpr double kOff_m = 0.01;
 
   /// `radio` by material. Actors further than `reach_m` from `center` are left out.
   RadioRays(const RayScene& scene, std::span<const RadioMaterial> radio, const Vector3d& center,
@@ -57,9 +62,19 @@ class RadioRays {
 
   /// Ends of the first `bundle.size` rays. Adds the ranges of leaves met before them.
   [[nodiscard]] Ends cast(const RayBundle& bundle, std::vector<double>& leaves_m) const;
-  /// Which of the first `bundle.size` rays meet anything that stands, leaves included: half the
-  /// work of cast(), where that will do.
-  [[nodiscard]] std::array<bool, RayBundle::kMost> are_shaded(const RayBundle& bundle) const;
+  /// What a ray leads through.
+  struct Shade {
+    /// It ends on something other than leaves.
+    bool is_dark = false;
+    /// Ranges of leaves on the way; mean nothing where it is dark.
+    std::vector<double> leaves_m;
+  };
+  using Shades = std::array<Shade, RayBundle::kMost>;
+  /// Whether the first `bundle.size` rays meet anything, and through which leaves the others go:
+  /// less work than cast() where it does not matter what they meet.
+  [[nodiscard]] Shades shades(const RayBundle& bundle) const;
+  /// The same without actors.
+  [[nodiscard]] Shades standing_shades(const RayBundle& bundle) const;
   [[nodiscard]] End cast(const Vector3d& origin, const Vector3d& direction,
                          double max_range_m) const;
 

@@ -1,20 +1,17 @@
 #include "sim/gnss/range_equations.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/physics.h"
 #include "sim/gnss/broadcast_orbit.h"
+#include "sim/gnss/signal_in_space.h"
 #include "sim/gnss/troposphere.h"
 
 namespace locsim::sim {
 
 namespace {
 
-// Standard deviations of what orbit and clock as broadcast do to a range, by system in the order of
-// GnssSystem (GPS, GLONASS, Galileo, BeiDou).
-constexpr std::array<double, kGnssSystems> kSignalInSpace_m = {0.5, 1.7, 0.2, 0.6};
 constexpr double kTroposphere_m = 0.1;
 constexpr double kLeastSine = 0.05;
 constexpr double kReferenceCn0_db_hz = 45.0;
@@ -75,7 +72,7 @@ double range_sigma_m(const SolutionSpec& spec, const GnssObservation& observatio
   const double noise_m = spec.pseudorange_noise_m *
                          std::pow(10.0, (kReferenceCn0_db_hz - observation.cn0_db_hz) / 20.0);
   const double troposphere_m = kTroposphere_m / (sine + 0.1);
-  const double orbit_m = kSignalInSpace_m[static_cast<std::size_t>(observation.satellite.system)];
+  const double orbit_m = signal_in_space_sigma_m(observation.satellite.system);
   return std::sqrt(spec.pseudorange_floor_m * spec.pseudorange_floor_m + zenith_m * zenith_m +
                    noise_m * noise_m + troposphere_m * troposphere_m + orbit_m * orbit_m +
                    observation.ionosphere_sigma_m * observation.ionosphere_sigma_m);

@@ -82,9 +82,7 @@ class RangeSolver {
       return left >= fit.plan.satellites_needed - (height ? 1 : 0) &&
              dilution_of_used(height.has_value()).position <= spec_.pdop_max;
     };
-    const auto integrity = spec_.raim
-                               ? exclude_outliers(equations_, spec_.raim_false_alarm, is_enough)
-                               : unmonitored();
+    const auto integrity = solve_by_spec(spec_, equations_, is_enough);
     if (!integrity) {
       fit.covariance.setConstant(std::numeric_limits<double>::infinity());
       return false;
@@ -143,12 +141,6 @@ class RangeSolver {
       equation.gradient.head<3>() = fit.place.up();
       equations_.push_back(equation);
     }
-  }
-
-  std::optional<Integrity> unmonitored() const {
-    const auto solution = solve_least_squares(equations_);
-    if (!solution) return std::nullopt;
-    return Integrity{.solution = *solution};
   }
 
   void apply_exclusions() {

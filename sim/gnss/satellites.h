@@ -1,6 +1,7 @@
 #pragma once
 
 #include <compare>
+#include <cstdint>
 #include <string_view>
 
 #include "core/pose.h"
@@ -10,6 +11,11 @@
 namespace locsim::sim {
 
 inline constexpr Duration kGpsWeek = std::chrono::hours(7 * 24);
+
+/// A satellite's own lane of a stream of random draws: another one for every satellite.
+[[nodiscard]] constexpr std::uint64_t lane_of(SatelliteId id) {
+  return 1000U * static_cast<std::uint64_t>(id.system) + static_cast<std::uint64_t>(id.number);
+}
 
 /// An instant of GPS time: whole weeks since 1980-01-06 and the time within the week.
 struct GpsTime {

@@ -14,8 +14,6 @@ namespace locsim::sim {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSky_m = 1000.0;
-constexpr double kOff_m = 0.01;
 constexpr std::size_t kDirections = 96;
 constexpr double kLowest_rad = -2.0 * kPi / 180.0;
 constexpr double kHighest_rad = 85.0 * kPi / 180.0;
@@ -68,6 +66,13 @@ Scatterers::Scatterers(const RadioRays& rays, std::span<const RadioMaterial> rad
       bundle.add(antenna, kSphere[i], reach_m);
     }
     const RadioRays::Ends ends = rays.cast(bundle, leaves_m);
+    // As far as the walls: what leaves each ray goes through.
+    RayBundle before = bundle;
+    for (std::size_t i = 0; i < bundle.size; ++i) {
+      before.rays[i].max_range_m =
+          ends[i].is_met() ? std::max(ends[i].range_m - RadioRays::kOff_m, 0.0) : 0.0;
+    }
+    RadioRays::Shades shades = rays.standing_shades(before);
     for (std::size_t i = 0; i < bundle.size; ++i) {
       const RadioRays::End& end = ends[i];
       if (!end.is_met() || end.actor != RadioRays::kStands || std::abs(end.normal.z()) > kLevel) {
@@ -77,10 +82,11 @@ Scatterers::Scatterers(const RadioRays& rays, std::span<const RadioMaterial> rad
       if (s <= 0.0) continue;
       const Vector3d met = antenna + end.range_m * bundle.rays[i].direction;
       const std::uint64_t cell = cell_of(met);
-      patches_.push_back({.point = met + kOff_m * end.normal,
+      patches_.push_back({.point = met + RadioRays::kOff_m * end.normal,
                           .normal = end.normal,
                           .arrival = bundle.rays[i].direction,
                           .range_m = end.range_m,
+                          .foliage_m = RadioRays::depth_m(shades[i].leaves_m),
                           .share = s * s * kSolidAngle_sr / kPi,
                           .co = std::polar(std::sqrt(0.5), 2.0 * kPi * kPhases.uniform(cell, 0)),
                           .cross = std::polar(std::sqrt(0.5), 2.0 * kPi * kPhases.uniform(cell, 1)),
@@ -97,12 +103,21 @@ std::vector<SignalPath> Scatterers::find(const Vector3d& to_satellite) const {
   std::vector<SignalPath> paths;
   RayBundle bundle;
   const auto settle = [&] {
-    // Paths whose ray ends somewhere go again, the last first.
-    const auto shaded = rays_.are_shaded(bundle);
+    // Paths whose ray ends somewhere go again.
+    RadioRays::Shades shades = rays_.standing_shades(bundle);
     const std::size_t first = paths.size() - bundle.size;
-    for (std::size_t i = bundle.size; i-- > 0;) {
-      if (shaded[i]) paths.erase(paths.begin() + static_cast<std::ptrdiff_t>(first + i));
+    std::size_t kept = first;
+    for (std::size_t i = 0; i < bundle.size; ++i) {
+      if (shades[i].is_dark) continue;
+      SignalPath& path = paths[first + i];
+      path.foliage_m += RadioRays::depth_m(shades[i].leaves_m);
+      const double weight = foliage_amplitude(path.foliage_m);
+      path.co *= weight;
+      path.cross *= weight;
+      if (std::norm(path.co) + std::norm(path.cross) < kLeastPower) continue;
+      paths[kept++] = path;
     }
+    paths.resize(kept);
     bundle.size = 0;
   };
   for (const Patch& patch : patches_) {
@@ -114,11 +129,12 @@ std::vector<SignalPath> Scatterers::find(const Vector3d& to_satellite) const {
                      .co = std::sqrt(power) * patch.co,
                      .cross = std::sqrt(power) * patch.cross,
                      .arrival = patch.arrival,
+                     .foliage_m = patch.foliage_m,
                      .turn = patch.point,
                      .grazing_rad = std::asin(std::min(cosine, 1.0)),
                      .material = patch.material,
                      .turns = 1});
-    bundle.add(patch.point, to_satellite, kSky_m);
+    bundle.add(patch.point, to_satellite, RadioRays::kSky_m);
     if (bundle.size == RayBundle::kMost) settle();
   }
   settle();

@@ -18,7 +18,10 @@ namespace locsim::sim {
 ///
 /// The walls are found by rays that share out the sphere about the antenna; each patch so found
 /// brings one component, with a phase that is its own as long as the ray ends within the same
-/// half metre of wall: it stands while the car stands. Leaves in between take nothing off.
+/// half metre of wall: it stands while the car stands. Leaves on both legs weaken a component by
+/// what its own ray meets of them (a single ray finds less of a thin crown than the bundles of
+/// other paths). Actors cast no shadow on it: thousands of rays an
+/// epoch would have to be tried against each of them.
 class Scatterers {
  public:
   /// What `rays` and `radio` (by material) are of must outlive it. Nothing further than `reach_m`
@@ -36,6 +39,8 @@ class Scatterers {
     Vector3d normal = Vector3d::UnitZ();
     Vector3d arrival = Vector3d::UnitZ();
     double range_m = 0.0;
+    /// Crossed on the way to the antenna.
+    double foliage_m = 0.0;
     /// S²·dΩ/π.
     double share = 0.0;
     std::complex<double> co = 0.0;

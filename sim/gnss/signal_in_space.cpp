@@ -25,21 +25,6 @@ constexpr double kCross = 1.2;
 constexpr double kClock = 0.88;
 constexpr Duration kErrorKnots = hours(1);
 
-// RMS of the ranging error.
-double ranging_error_m(GnssSystem system) {
-  switch (system) {
-    case GnssSystem::galileo:
-      return 0.2;
-    case GnssSystem::beidou:
-      return 0.6;
-    case GnssSystem::glonass:
-      return 1.7;
-    case GnssSystem::gps:
-      break;
-  }
-  return 0.5;
-}
-
 // How a system renews its messages: every `interval`, counted from where its own days begin in GPS
 // time; one spoken in [start, start + interval) has its toe `toe_after` its start.
 struct Renewal {
@@ -71,10 +56,6 @@ int quarter_of_moscow_day(GpsTime utc) {
   return static_cast<int>((utc + hours(3)).of_week % hours(24) / minutes(15));
 }
 
-std::uint64_t lane(SatelliteId id) {
-  return static_cast<std::uint64_t>(id.system) * 1000 + static_cast<std::uint64_t>(id.number);
-}
-
 // A satellite's clock as it is: so slow a sinusoid that it stays within its amplitude for ever and
 // that within hours its second-order expansion is exact to 1e-14 s.
 struct TrueClock {
@@ -90,6 +71,20 @@ struct TrueClock {
 };
 
 }  // namespace
+
+double signal_in_space_sigma_m(GnssSystem system) {
+  switch (system) {
+    case GnssSystem::galileo:
+      return 0.2;
+    case GnssSystem::beidou:
+      return 0.6;
+    case GnssSystem::glonass:
+      return 1.7;
+    case GnssSystem::gps:
+      break;
+  }
+  return 0.5;
+}
 
 SatelliteId BroadcastMessage::id() const {
   return std::visit([](const auto& ephemeris) { return ephemeris.id; }, orbit);
@@ -145,7 +140,7 @@ BroadcastMessage SignalInSpace::broadcast(SatelliteId id, GpsTime time) const {
   const GpsTime toe = start + renewed.toe_after;
 
   BroadcastMessage message{.orbit = constellation_.broadcast(id, toe)};
-  const TrueClock clock(clocks_, lane(id));
+  const TrueClock clock(clocks_, lane_of(id));
   const double phase_rad = clock.rate_rad_s * toe.seconds() + clock.phase_rad;
   message.af0_s = clock.amplitude_s * std::sin(phase_rad);
   message.af1_s_s = clock.amplitude_s * clock.rate_rad_s * std::cos(phase_rad);
@@ -168,12 +163,12 @@ double SignalInSpace::range_error_m(const SatelliteState& satellite,
   const Vector3d outward = position.normalized();
   const Vector3d normal = position.cross(velocity).normalized();
 
-  const std::uint64_t first = 4 * lane(satellite.id);
+  const std::uint64_t first = 4 * lane_of(satellite.id);
   const Vector3d displaced = kRadial * errors_.at(time, first) * outward +
                              kAlong * errors_.at(time, first + 1) * normal.cross(outward) +
                              kCross * errors_.at(time, first + 2) * normal;
   const double clock = kClock * errors_.at(time, first + 3);
-  return ranging_error_m(system) * (clock - displaced.dot(from_satellite_ecef));
+  return signal_in_space_sigma_m(system) * (clock - displaced.dot(from_satellite_ecef));
 }
 
 }  // namespace locsim::sim

@@ -37,14 +37,17 @@ struct SatelliteClock {
 /// its clock terms hold it. The drift is the offset's derivative.
 [[nodiscard]] SatelliteClock broadcast_clock(const BroadcastMessage& message, GpsTime time);
 
+/// Standard deviation of what a system's orbits and clocks as broadcast do to a range: RMS over the
+/// part of the earth that sees the satellite. The simulated one, and what receivers assume.
+[[nodiscard]] double signal_in_space_sigma_m(GnssSystem system);
+
 /// Orbits and clocks as they are against what is broadcast. Satellites keep the constellation's
 /// orbits and clocks that wander smoothly by up to 0.4 ms, and all messages describe these alike:
 /// to change from one to the next moves nothing by more than GLONASS's centimetre. What is
 /// broadcast is wrong by errors along radius, track and normal and in the clock, each a stationary
 /// Gaussian function of time that changes in an hour or two. Together they make ranges wrong by
-/// the standard deviation of each system (GPS 0.5, BeiDou 0.6, Galileo 0.2, GLONASS 1.7 m: RMS over
-/// the part of the earth that sees the satellite). Uploads, at which real errors jump, are not
-/// modelled. A pure function of seed, satellite and time.
+/// signal_in_space_sigma_m(). Uploads, at which real errors jump, are not modelled. A pure function
+/// of seed, satellite and time.
 class SignalInSpace {
  public:
   /// `constellation` must outlive it. Without errors what is broadcast is right; clocks wander all

@@ -4,28 +4,23 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <utility>
 
 #include "sim/gnss/bounces.h"
 #include "sim/gnss/direct_path.h"
 #include "sim/gnss/fresnel_zone.h"
+#include "sim/gnss/mirror_plane.h"
 #include "sim/gnss/scatterers.h"
 
 namespace locsim::sim {
 
 namespace {
 
-// Nothing of a world that is 10° up stands higher than this reaches.
-constexpr double kSky_m = 1000.0;
-// Off a surface before looking on from it: more than a float of the map frame.
-constexpr double kOff_m = 0.01;
 constexpr double kNormalTolerance = 0.998;
 // A reflector that keeps to its plane so closely is a plane.
 constexpr double kFlat_m = 0.005;
 // Two of what Reflectors merges.
 constexpr double kPlaneTolerance_m = 0.15;
-constexpr double kLeastPower = 1e-4;
 // Of a Fresnel zone's points, those that are tried first.
 constexpr std::size_t kProbes = 4;
 
@@ -104,9 +99,9 @@ std::vector<SignalPath> PathFinder::reflections(const RadioRays& rays, const Mir
     if (surface.unevenness_m > kFlat_m) {
       // The plane of the triangle that is met is the better one.
       const Vector3d arrival = (rough.turn - antenna) / rough.range_m;
-      const RadioRays::End end =
-          rays.cast(antenna, arrival, rough.range_m + kPlaneTolerance_m / rough.sine + kOff_m);
-      const Vector3d met = antenna + std::min(end.range_m, kSky_m) * arrival;
+      const RadioRays::End end = rays.cast(
+          antenna, arrival, rough.range_m + kPlaneTolerance_m / rough.sine + RadioRays::kOff_m);
+      const Vector3d met = antenna + std::min(end.range_m, RadioRays::kSky_m) * arrival;
       if (end.actor != mirror.bearer || !end.is_met() ||
           end.normal.dot(plane.normal) < kNormalTolerance ||
           std::abs(plane.normal.dot(met - plane.point)) > kPlaneTolerance_m) {
@@ -132,17 +127,15 @@ std::optional<SignalPath> PathFinder::reflect(const RadioRays& rays, const Plane
   const Specular at(plane.normal, plane.point, antenna, to_satellite);
   if (at.off_m <= 0.0 || at.sine <= 1e-3 || at.range_m > kReach_m) return std::nullopt;
   const FresnelZone zone(plane.normal, at.turn, to_satellite, at.range_m);
+  MirrorPlane mirror(radio_, plane.normal, plane.point, plane.bearer, at.sine, kNormalTolerance);
   SignalPath path{.kind = PathKind::reflected,
                   .excess_m = 2.0 * at.off_m * at.sine,
                   .co = 0.0,
                   .arrival = (at.turn - antenna) / at.range_m,
                   .turn = at.turn,
-                  .grazing_rad = std::asin(std::min(at.sine, 1.0)),
+                  .grazing_rad = mirror.grazing_rad(),
                   .material = material,
                   .turns = 1};
-  // Neighbours are mostly of one material.
-  std::optional<MaterialId> known_material;
-  CircularReflection reflection;
   std::vector<double> leaves_before_m;
   std::vector<double> leaves_behind_m;
   for (const auto& [first, last] :
@@ -155,34 +148,23 @@ std::optional<SignalPath> PathFinder::reflect(const RadioRays& rays, const Plane
       to_plane.add(antenna, way / range_m, range_m * (1.0 + kRelief_m / at.off_m));
     }
     const RadioRays::Ends met = rays.cast(to_plane, leaves_before_m);
-    struct Patch {
-      MaterialId material = 0;
-      double before_m = 0.0;
-    };
-    std::array<Patch, RayBundle::kMost> patches;
+    std::array<MirrorPlane::Met, RayBundle::kMost> patches;
     RayBundle to_sky;
     for (std::size_t i = 0; i < to_plane.size; ++i) {
-      if (!met[i].is_met() || met[i].actor != plane.bearer) continue;
-      if (met[i].normal.dot(plane.normal) < kNormalTolerance) continue;
-      const Vector3d point = antenna + met[i].range_m * to_plane.rays[i].direction;
-      const double before_m = plane.normal.dot(point - plane.point);
-      if (std::abs(before_m) > kRelief_m) continue;
-      patches[to_sky.size] = {met[i].material, before_m};
-      to_sky.add(point + kOff_m * plane.normal, to_satellite, kSky_m);
+      const auto patch = mirror.met(to_plane.rays[i], met[i]);
+      if (!patch) continue;
+      patches[to_sky.size] = *patch;
+      to_sky.add(patch->point + RadioRays::kOff_m * plane.normal, to_satellite, RadioRays::kSky_m);
     }
-    const RadioRays::Ends blocked = rays.cast(to_sky, leaves_behind_m);
+    const RadioRays::Shades shades = rays.shades(to_sky);
     bool is_dark = true;
     for (std::size_t i = 0; i < to_sky.size; ++i) {
-      if (blocked[i].is_met()) continue;
+      if (shades[i].is_dark) continue;
       is_dark = false;
-      if (known_material != patches[i].material) {
-        known_material = patches[i].material;
-        reflection = reflect_rough(radio_[patches[i].material], path.grazing_rad, kL1Wavelength_m);
-      }
-      const auto field =
-          std::polar(1.0, 4.0 * std::numbers::pi * patches[i].before_m * at.sine / kL1Wavelength_m);
-      path.co += field * reflection.co;
-      path.cross += field * reflection.cross;
+      std::ranges::copy(shades[i].leaves_m, std::back_inserter(leaves_behind_m));
+      const CircularReflection reflection = mirror.reflection(patches[i]);
+      path.co += reflection.co;
+      path.cross += reflection.cross;
     }
     if (is_dark && first == 0) return std::nullopt;
   }
@@ -191,7 +173,7 @@ std::optional<SignalPath> PathFinder::reflect(const RadioRays& rays, const Plane
       foliage_amplitude(path.foliage_m) / static_cast<double>(FresnelZone::kPoints);
   path.co *= weight;
   path.cross *= weight;
-  if (std::norm(path.co) + std::norm(path.cross) < kLeastPower) return std::nullopt;
+  if (std::norm(path.co) + std::norm(path.cross) < kLeastMirroredPower) return std::nullopt;
   return path;
 }
 
@@ -204,7 +186,7 @@ std::vector<std::vector<SignalPath>> PathFinder::find(const Vector3d& antenna_ma
                                                       std::span<const Vector3d> to_satellites,
                                                       Stamp time) const {
   std::vector<const Reflector*> standing = standing_.near(antenna_map, kReach_m);
-  const RadioRays rays(scene_, radio_, antenna_map, kSky_m, time);
+  const RadioRays rays(scene_, radio_, antenna_map, RadioRays::kSky_m, time);
   const Scatterers scatterers(rays, radio_, antenna_map, kReach_m);
   const Bounces bounces(rays, radio_, wall_normals(standing), kReach_m);
   const Mirrors around = mirrors(std::move(standing), antenna_map, time);
@@ -214,7 +196,7 @@ std::vector<std::vector<SignalPath>> PathFinder::find(const Vector3d& antenna_ma
     found[i] = reflections(rays, around, antenna_map, to_satellite, time);
     std::ranges::copy(bounces.find(antenna_map, to_satellite), std::back_inserter(found[i]));
     std::ranges::copy(scatterers.find(to_satellite), std::back_inserter(found[i]));
-    if (const auto path = direct_path(rays, antenna_map, to_satellite, kSky_m)) {
+    if (const auto path = direct_path(rays, antenna_map, to_satellite, RadioRays::kSky_m)) {
       found[i].insert(found[i].begin(), *path);
     }
   }

@@ -140,6 +140,8 @@ TEST(SkyReport, SatellitesOppositeAWallAreReflectedByItOnce) {
     ASSERT_EQ(satellite.reflections, 1) << satellite.id.name();
     EXPECT_EQ(satellite.status, SkyStatus::direct);
     EXPECT_NEAR(satellite.strongest->excess_m, 2.0 * kWall_m * sine, 1e-3);
+    EXPECT_EQ(satellite.strongest->material, "concrete");
+    EXPECT_NEAR(satellite.strongest->grazing_rad, std::asin(sine), 1e-6);
     // An upright wall leaves the elevation, and so the gain; left-handed signals are rejected.
     // Points of the zone are not all met at the same angle: 0.1 dB.
     const double rejection_db = sim::AntennaSpec{}.cross_rejection_db;

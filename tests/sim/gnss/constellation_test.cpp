@@ -5,10 +5,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <string>
 
 #include "core/error.h"
 #include "core/physics.h"
+#include "tests/sim/gnss/satellite_states.h"
 
 namespace locsim::sim {
 namespace {
@@ -108,8 +111,8 @@ TEST(Constellation, InclinedGeosynchronousTracksCrossTheEquatorAt118East) {
   int crossings = 0;
   for (int i = 0; i < 1440; ++i) {
     const GpsTime time = at_utc("2031-07-01T00:00:00Z") + std::chrono::minutes(i);
-    const auto now = sky.at(time);
-    const auto next = sky.at(time + std::chrono::minutes(1));
+    const auto now = states_at(sky, time);
+    const auto next = states_at(sky, time + std::chrono::minutes(1));
     for (std::size_t k = 24; k < 27; ++k) {
       if (now[k].position_ecef_m.z() > 0.0 || next[k].position_ecef_m.z() <= 0.0) continue;
       ++crossings;
@@ -124,7 +127,8 @@ TEST(Constellation, GeostationarySatellitesStandStillOverTheirLongitudes) {
   const Constellation sky({GnssSystem::beidou});
   const std::vector<double> wanted_deg{140.0, 80.0, 110.5, 160.0, 58.75};
   for (const int days : {0, 200, 3000}) {
-    const auto states = sky.at(at_utc("2024-01-01T00:00:00Z") + std::chrono::hours(24 * days + 7));
+    const auto states =
+        states_at(sky, at_utc("2024-01-01T00:00:00Z") + std::chrono::hours(24 * days + 7));
     int found = 0;
     for (const SatelliteState& s : states) {
       if (!is_geostationary(s.id)) continue;
@@ -211,6 +215,16 @@ Day day(const std::vector<GnssSystem>& systems, double latitude_deg, double mask
   return result;
 }
 
+// For docs/gnss.md.
+void record(const std::string& systems, double latitude_deg, double mask_deg, const Day& day) {
+  char text[128];
+  std::snprintf(text, sizeof text, "%.1f (%zu to %zu) in view, PDOP %.2f (98 %%: %.2f)", day.mean,
+                day.fewest, day.most, day.pdop_median, day.pdop_p98);
+  testing::Test::RecordProperty(systems + "_" + std::to_string(std::lround(latitude_deg)) +
+                                    "N_above_" + std::to_string(std::lround(mask_deg)) + "_deg",
+                                text);
+}
+
 // Share of a shell's orbit, averaged over phase and node, that stands above the mask.
 double share_above(double radius_m, double inclination_deg, double latitude_deg, double mask_deg) {
   const double reach =
@@ -231,7 +245,7 @@ double share_above(double radius_m, double inclination_deg, double latitude_deg,
 TEST(Constellation, GpsInViewAndDopOverADayAreThoseOfTheStandard) {
   for (const double latitude_deg : {22.0, 49.0}) {
     const Day gps = day({GnssSystem::gps}, latitude_deg, 5.0);
-    RecordProperty("gps", std::to_string(gps.mean));
+    record("GPS", latitude_deg, 5.0, gps);
     // Two revolutions a day do not average over all of the shell: a tenth.
     const double expected = 24.0 * share_above(26559.7e3, 55.0, latitude_deg, 5.0);
     EXPECT_NEAR(gps.mean, expected, 0.1 * expected) << latitude_deg;
@@ -247,16 +261,17 @@ TEST(Constellation, GpsInViewAndDopOverADayAreThoseOfTheStandard) {
 
 TEST(Constellation, EachSystemInViewOverADayIsItsShareOfTheOrbitAndGivesAPosition) {
   struct System {
+    const char* name;
     GnssSystem system;
     double radius_m, inclination_deg;
   };
-  for (const System& one :
-       {System{GnssSystem::galileo, 29599.8e3, 56.0}, System{GnssSystem::glonass, 25508e3, 64.8},
-        System{GnssSystem::beidou, 27906e3, 55.0}}) {
+  for (const System& one : {System{"Galileo", GnssSystem::galileo, 29599.8e3, 56.0},
+                            System{"GLONASS", GnssSystem::glonass, 25508e3, 64.8},
+                            System{"BeiDou", GnssSystem::beidou, 27906e3, 55.0}}) {
     for (const double latitude_deg : {22.0, 49.0}) {
-      const SatelliteId first{one.system, 1};
-      SCOPED_TRACE(first.name() + " " + std::to_string(latitude_deg));
+      SCOPED_TRACE(one.name + (" " + std::to_string(latitude_deg)));
       const Day seen = day({one.system}, latitude_deg, 5.0);
+      record(one.name, latitude_deg, 5.0, seen);
       const double expected =
           24.0 * share_above(one.radius_m, one.inclination_deg, latitude_deg, 5.0);
       // A day is 1.7 to 2.1 revolutions, which do not average over all of the shell: a tenth.
@@ -277,6 +292,8 @@ TEST(Constellation, AllSystemsInViewAddUpAndHalveTheDop) {
   for (const double latitude_deg : {22.0, 49.0}) {
     const Day all = day(kAll, latitude_deg, 10.0);
     const Day gps = day({GnssSystem::gps}, latitude_deg, 10.0);
+    record("all", latitude_deg, 10.0, all);
+    record("all", latitude_deg, 5.0, day(kAll, latitude_deg, 5.0));
     const double expected = 24.0 * (share_above(26559.7e3, 55.0, latitude_deg, 10.0) +
                                     share_above(29599.8e3, 56.0, latitude_deg, 10.0) +
                                     share_above(25508e3, 64.8, latitude_deg, 10.0) +

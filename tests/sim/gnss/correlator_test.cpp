@@ -79,8 +79,9 @@ TEST(Correlator, LimitedBandGivesTheFilteredShapes) {
 }
 
 TEST(Correlator, BeyondTwoChipsThereIsNothing) {
-  const Correlation correlation(modulation_of(GnssSystem::gps), 8e6);
-  EXPECT_EQ(correlation.at(2.01 * correlation.chip_m()), 0.0);
+  const Modulation gps = modulation_of(GnssSystem::gps);
+  const Correlation correlation(gps, 8e6);
+  EXPECT_EQ(correlation.at(2.01 * gps.chip_m()), 0.0);
   EXPECT_EQ(correlation.at(-1e9), 0.0);
   EXPECT_EQ(correlation.at(std::numeric_limits<double>::quiet_NaN()), 0.0);
 }
@@ -104,8 +105,9 @@ TEST(Correlator, RefusesABandThatIsNone) {
 TEST(CorrelatorNoise, IsCorrelatedAsTheSignalIs) {
   for (const double bandwidth_hz : {kInfinite_hz, 8e6}) {
     for (const double spacing : {1.0, 0.5, 0.1}) {
-      const Correlation correlation(modulation_of(GnssSystem::gps), bandwidth_hz);
-      const double spacing_m = spacing * correlation.chip_m();
+      const Modulation gps = modulation_of(GnssSystem::gps);
+      const Correlation correlation(gps, bandwidth_hz);
+      const double spacing_m = spacing * gps.chip_m();
       const CorrelatorNoise noise(correlation, spacing_m);
       const RandomStream stream(3, "noise");
       Eigen::Matrix3cd covariance = Eigen::Matrix3cd::Zero();

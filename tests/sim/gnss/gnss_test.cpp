@@ -65,12 +65,14 @@ TEST(Gnss, UnderAnOpenSkyItErrsAsReceiversDoAndClaimsWhatItErrs) {
     }
   }
   std::ranges::sort(errors_m);
-  // The data sheet's 1.5 m of the F9P, by sixteen draws of two slow errors: within a third of it,
-  // and not a tenth.
-  EXPECT_LT(errors_m[errors_m.size() / 2], 2.0);
-  EXPECT_GT(errors_m[errors_m.size() / 2], 0.15);
-  EXPECT_LT(normalised / fixes, 2.0);
-  EXPECT_GT(normalised / fixes, 0.1);
+  // Measured on 240 starts (seeds 1 to 240, 10 s each): medians of 0.05 to 0.75 m by start, 0.27 m
+  // in the middle, and e²/σ² of 0.19 on average (receivers claim more than they err under an open
+  // sky). The bands are the quantiles of 0.05 and 99.95 % of 20 000 draws of sixteen of these
+  // starts: [0.167, 0.426] m and [0.082, 0.351]; the data sheet's CEP is 1.5 m.
+  EXPECT_LT(errors_m[errors_m.size() / 2], 0.426);
+  EXPECT_GT(errors_m[errors_m.size() / 2], 0.167);
+  EXPECT_LT(normalised / fixes, 0.351);
+  EXPECT_GT(normalised / fixes, 0.082);
 }
 
 TEST(Gnss, UnderARoofThereIsNoFixAndItComesBack) {
@@ -134,7 +136,7 @@ TEST(Gnss, AStreetCanyonTakesSatellitesAndBringsErrors) {
     std::size_t late = 0;
     for (int k = 0; k < 30; ++k) {
       gnss.sample(trajectory, stamp_from_seconds(k), stamp_from_seconds(k + 1), out);
-      for (const Gnss::Truth& signal : gnss.last_truth()) {
+      for (const SignalTruth& signal : gnss.last_truth()) {
         for (const SignalPath& path : signal.paths) {
           // To the far wall, 12 m, and back, and as often to and fro as it turns besides; or from
           // what scatters within reach.

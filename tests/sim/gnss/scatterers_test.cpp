@@ -41,6 +41,7 @@ std::vector<SignalPath> scattered(const World& world, const Vector3d& antenna,
   const RayScene scene(world, {});
   std::vector<RadioMaterial> radio(world.materials.size());
   for (RadioMaterial& material : radio) material.scattering = scattering;
+  radio[id(TownMaterial::foliage)] = radio_material("foliage");
   const RadioRays rays(scene, radio, antenna, 1000.0, kStart);
   return Scatterers(rays, radio, antenna, kReach_m).find(to_satellite);
 }
@@ -172,6 +173,64 @@ TEST(Scatterers, PatchesInAShadowBringNothingAndTheOthersStay) {
     EXPECT_EQ(lit[i].cross, expected[i].cross);
     EXPECT_EQ(lit[i].excess_m, expected[i].excess_m);
   }
+}
+
+TEST(Scatterers, LeavesOnBothLegsTakeTheirUsualShareAndStopNothing) {
+  World bare = empty_world();
+  add_wall(bare, endless_wall({0.0, -1.0, 0.0}));
+  const Vector3d satellite = sky(180.0, 45.0);
+  const auto all = scattered(bare, kAntenna, satellite, 0.4);
+  ASSERT_GT(all.size(), 30U);
+  // Curtains of leaves along the wall: one behind the antenna, that the satellite lights the wall
+  // through up to where its shadow ends; two, half a metre apart, that the antenna looks through.
+  constexpr double kHigh_m = 36.0;
+  const auto curtain = [](World& world, double y_m, double high_m) {
+    add_wall(world, {.foot = {0.0, y_m, 0.0},
+                     .normal = {0.0, 1.0, 0.0},
+                     .half_length_m = 160.0,
+                     .low_m = -8.0,
+                     .high_m = high_m,
+                     .material = TownMaterial::foliage});
+  };
+  World behind = bare;
+  curtain(behind, -kOff_m, kHigh_m);
+  World before = bare;
+  curtain(before, 2.0, 160.0);
+  curtain(before, 2.5, 160.0);
+  const auto dimmed = scattered(behind, kAntenna, satellite, 0.4);
+  const auto veiled = scattered(before, kAntenna, satellite, 0.4);
+  int in_shadow = 0;
+  const auto same_of = [&](const std::vector<SignalPath>& paths, const SignalPath& path) {
+    return std::ranges::find(paths, path.turn, &SignalPath::turn);
+  };
+  for (const SignalPath& path : all) {
+    // A single leaf counts as 0.3 m; 1.7 dB/m.
+    const bool is_shaded = path.turn.z() < kHigh_m - 2.0 * kOff_m;
+    const double behind_db = is_shaded ? 1.7 * 0.3 : 0.0;
+    in_shadow += is_shaded;
+    const auto one = same_of(dimmed, path);
+    ASSERT_NE(one, dimmed.end());
+    EXPECT_NEAR(20.0 * std::log10(std::abs(one->co / path.co)), -behind_db, 1e-6);
+    EXPECT_NEAR(20.0 * std::log10(std::abs(one->cross / path.cross)), -behind_db, 1e-6);
+    // To the antenna slantwise; towards the satellite, whose way leaves the wall at 45°, twice
+    // again. Curtains more than two metres apart on a way count as two.
+    const double gap_m = 0.5 * path.arrival.norm() / path.arrival.y();
+    const double toward_m = 0.5 / std::abs(satellite.y());
+    const double before_m = 0.3 + (gap_m < 2.0 ? gap_m : 0.3) + 0.3 + toward_m;
+    const double expected_db = -std::min(1.7 * before_m, 20.0);
+    const auto other = same_of(veiled, path);
+    const double left =
+        (std::norm(path.co) + std::norm(path.cross)) * std::pow(10.0, expected_db / 10.0);
+    // What falls below −45 dB is dropped.
+    if (left < 3.01e-5) continue;
+    ASSERT_NE(other, veiled.end());
+    // Ranges are floats of some 10 m: a micrometre of crown.
+    EXPECT_NEAR(20.0 * std::log10(std::abs(other->co / path.co)), expected_db, 1e-4);
+    EXPECT_NEAR(other->foliage_m, before_m, 1e-4);
+  }
+  EXPECT_GT(in_shadow, 10);
+  EXPECT_LT(in_shadow, static_cast<int>(all.size()) - 3);
+  EXPECT_GT(veiled.size(), 10U);
 }
 
 TEST(Scatterers, PhasesStandWithTheCarAndHoldForHalfAMetre) {

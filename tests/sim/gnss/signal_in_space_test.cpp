@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/sim/gnss/satellite_states.h"
+
 namespace locsim::sim {
 namespace {
 
@@ -48,7 +50,7 @@ TEST(SignalInSpace, RangingErrorsHaveEachSystemsRms) {
   const RandomStream dice(5, "test/places");
   for (const Documented& documented : kDocumented) {
     const Constellation sky({documented.system});
-    const std::vector<SatelliteState> satellites = sky.at(kTime);
+    const std::vector<SatelliteState> satellites = states_at(sky, kTime);
     double squares = 0.0;
     double sum = 0.0;
     std::uint64_t draws = 0;
@@ -73,7 +75,7 @@ TEST(SignalInSpace, RangingErrorsHaveEachSystemsRms) {
 
 TEST(SignalInSpace, OrbitErrorsLieMostlyAlongTheTrack) {
   const Constellation sky({GnssSystem::gps});
-  const SatelliteState satellite = sky.at(kTime)[7];
+  const SatelliteState satellite = states_at(sky, kTime)[7];
   const Vector3d& p = satellite.position_ecef_m;
   const Vector3d among_stars =
       satellite.velocity_ecef_m_s + 7.2921151467e-5 * Vector3d(-p.y(), p.x(), 0.0);
@@ -140,7 +142,7 @@ TEST(SignalInSpace, IsAPureFunction) {
   const SignalInSpace space(whole_sky(), true, 3);
   const SignalInSpace same(whole_sky(), true, 3);
   const SignalInSpace other(whole_sky(), true, 4);
-  const std::vector<SatelliteState> satellites = whole_sky().at(kTime);
+  const std::vector<SatelliteState> satellites = states_at(whole_sky(), kTime);
   std::vector<double> errors_m;
   std::vector<double> clocks_s;
   for (const SatelliteState& s : satellites) {

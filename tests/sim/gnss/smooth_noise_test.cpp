@@ -35,10 +35,13 @@ TEST(SmoothNoise, HasUnitVarianceAtEveryPhaseBetweenKnots) {
 }
 
 TEST(SmoothNoise, ForgetsWithinFourSpacings) {
-  // At a knot the weights are (1, 4, 1)/√18: shifted by one they share 8/18, by two 1/18. Means of
-  // products are within 1/√20 000 (1 + ρ²) = 0.01 at most; four of them.
-  EXPECT_NEAR(correlation(Duration::zero(), kSpacing), 8.0 / 18.0, 0.04);
+  // At a knot the weights are (1, 4, 1)/√18: shifted by one they share 8/18, by two 1/18. Midway
+  // they are (1, 23, 23, 1)/√1060: 575/1060 and 46/1060. Means of products are within
+  // √((1 + ρ²)/20 000) = 0.008; four of them.
+  EXPECT_NEAR(correlation(Duration::zero(), kSpacing), 8.0 / 18.0, 0.032);
   EXPECT_NEAR(correlation(Duration::zero(), 2 * kSpacing), 1.0 / 18.0, 0.03);
+  EXPECT_NEAR(correlation(kSpacing / 2, kSpacing), 575.0 / 1060.0, 0.032);
+  EXPECT_NEAR(correlation(kSpacing / 2, 2 * kSpacing), 46.0 / 1060.0, 0.03);
   EXPECT_NEAR(correlation(minutes(13), 4 * kSpacing), 0.0, 0.03);
 }
 
