@@ -17,6 +17,7 @@
 #include "scenarios/gnss_delivery.h"
 #include "scenarios/imu_delivery.h"
 #include "sim/faults/faults.h"
+#include "sim/faults/kidnapper.h"
 #include "sim/gnss/gnss.h"
 #include "sim/imu/imu.h"
 #include "sim/lidar/lidar_rig.h"
@@ -112,6 +113,7 @@ class ClosedLoop {
   RunRecord run();
 
  private:
+  void kidnap_if_due();
   void step_vehicle();
   void drive_one_period();
   void sample_light_sensors(Stamp from);
@@ -139,6 +141,9 @@ class ClosedLoop {
   sim::Controls controls_;
   sim::Trajectory trajectory_;
   sim::Faults faults_;
+  sim::Kidnapper kidnapper_;
+  /// When the car was set down and where on the route, until the driver has been told.
+  std::optional<std::pair<Stamp, double>> set_down_;
   sim::LidarRig lidars_;
   sim::Imu imu_;
   ImuDelivery imu_delivery_;
@@ -175,6 +180,7 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Stage& stage,
       driver_(scenario.vehicle.driver, scenario.vehicle.spec, stage.route),
       trajectory_(Stamp{}, scenario.vehicle.spec.step),
       faults_(scenario.faults),
+      kidnapper_(faults_, stage.route),
       lidars_(mounted_lidars(scenario.sensors), scenario.seed, sim::Weather(scenario.weather),
               faults_, Stamp{}),
       imu_(scenario.sensors.imu.spec, scenario.sensors.imu.mount.pose(), scenario.seed, faults_),
@@ -197,7 +203,17 @@ ClosedLoop::ClosedLoop(const Scenario& scenario, const Stage& stage,
   step_vehicle();
 }
 
+void ClosedLoop::kidnap_if_due() {
+  const Stamp at = trajectory_.end() + trajectory_.step();
+  while (const auto move =
+             kidnapper_.take_due(at, vehicle_.T_map_vehicle(), vehicle_.speed_m_s())) {
+    trajectory_.jump(vehicle_.set_down(move->T_map_map));
+    set_down_ = {at, move->s_m};
+  }
+}
+
 void ClosedLoop::step_vehicle() {
+  if (kidnapper_.has_more()) kidnap_if_due();
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     actor_poses_[i] = actors_[i].pose_at(trajectory_.end());
   }
@@ -209,10 +225,16 @@ void ClosedLoop::step_vehicle() {
 void ClosedLoop::drive_one_period() {
   CostTimer timer(record_.cost.vehicle_s);
   const bool by_truth = scenario_.vehicle.feedback == "truth";
+  // Who drives by an estimate finds out by it.
+  if (set_down_ && set_down_->first <= now_) {
+    if (by_truth) driver_.set_down(set_down_->second);
+    set_down_.reset();
+  }
   const std::optional<sim::DriverView> view =
       by_truth ? truth_view(trajectory_.at(now_)) : driver_estimate_.view();
   controls_ = driver_.control(now_, view);
   now_ += kControlPeriod;
+  kidnapper_.follow(vehicle_.T_map_vehicle().translation);
   while (trajectory_.end() < now_) step_vehicle();
 }
 

@@ -68,6 +68,7 @@ Json event_json(const EventResult& result) {
           {"from_s", to_seconds(result.event.from)},
           {"until_s", to_seconds(result.event.until)},
           {"outage_drift_percent", to_json(result.outage_drift_percent)},
+          {"detection_s", to_json(result.detection_s)},
           {"relocalized", result.relocalized},
           {"relocalization_s", to_json(result.relocalization_s)},
           {"relocalization_distance_m", to_json(result.relocalization_distance_m)}};

@@ -2,6 +2,7 @@
 
 #include <numeric>
 #include <utility>
+#include <variant>
 
 #include "scenarios/scoring/accuracy.h"
 
@@ -37,7 +38,8 @@ RunResult score_record(const Scenario& scenario, const Stage& stage, RunRecord r
   for (const sim::FaultSpec& fault : scenario.faults) {
     events.push_back({.kind = std::string(fault.name()),
                       .from = stamp_from_seconds(fault.at_s),
-                      .until = stamp_from_seconds(fault.at_s + fault.for_s)});
+                      .until = stamp_from_seconds(fault.at_s + fault.lasts_s()),
+                      .moves_car = std::holds_alternative<sim::Kidnap>(fault.kind)});
   }
   const sim::VehicleSpec& vehicle = scenario.vehicle.spec;
   ScoreInput input{.truth = record.truth,

@@ -1,6 +1,8 @@
 #include "sim/trajectory.h"
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -58,7 +60,25 @@ Trajectory::Trajectory(Stamp start, Duration step) : start_(start), step_(step) 
 }
 
 void Trajectory::push(const Pose& T_map_vehicle) {
-  poses_.push_back(T_map_vehicle);
+  poses_.push_back(jumps_.empty() ? T_map_vehicle
+                                  : jumps_.back().T_map_unbroken.inverse() * T_map_vehicle);
+}
+
+void Trajectory::jump(const Pose& T_map_map) {
+  assert(!poses_.empty());
+  assert(std::hypot(T_map_map.rotation.x(), T_map_map.rotation.y()) < 1e-12);
+  const Stamp from = end() + step_;
+  const Pose before = jumps_.empty() ? Pose{} : jumps_.back().T_map_unbroken;
+  jumps_.push_back({.from = from, .T_map_unbroken = T_map_map * before});
+}
+
+const Trajectory::Jump* Trajectory::last_jump(Stamp time) const {
+  const auto after = std::ranges::upper_bound(jumps_, time, {}, &Jump::from);
+  return after == jumps_.begin() ? nullptr : &*std::prev(after);
+}
+
+bool Trajectory::jumps_within(Stamp after, Stamp until) const {
+  return last_jump(until) != last_jump(after);
 }
 
 Stamp Trajectory::end() const {
@@ -66,19 +86,34 @@ Stamp Trajectory::end() const {
 }
 
 Pose Trajectory::pose_at(Stamp time) const {
+  const Jump* jump = last_jump(time);
+  const Pose unbroken = unbroken_pose_at(time);
+  return jump == nullptr ? unbroken : jump->T_map_unbroken * unbroken;
+}
+
+TruthState Trajectory::at(Stamp time) const {
+  TruthState state = unbroken_at(time);
+  if (const Jump* jump = last_jump(time)) {
+    state.T_map_vehicle = jump->T_map_unbroken * state.T_map_vehicle;
+    state.velocity_m_s = jump->T_map_unbroken.rotation * state.velocity_m_s;
+  }
+  return state;
+}
+
+Pose Trajectory::unbroken_pose_at(Stamp time) const {
   const auto [i, f] = find_knot(*this, time);
   Pose pose = interpolate(poses_[i], poses_[i + 1], f);
   pose.translation = position(arc(poses_, i), f);
   return pose;
 }
 
-TruthState Trajectory::at(Stamp time) const {
+TruthState Trajectory::unbroken_at(Stamp time) const {
   const auto [i, f] = find_knot(*this, time);
   const double per_step = 1.0 / to_seconds(step_);
   const Arc a = arc(poses_, i);
   TruthState state;
   state.time = time;
-  state.T_map_vehicle = pose_at(time);
+  state.T_map_vehicle = unbroken_pose_at(time);
   state.velocity_m_s =
       per_step * ((6.0 * f - 6.0 * f * f) * (a.to - a.from) +
                   (3.0 * f * f - 4.0 * f + 1.0) * a.leaving + (3.0 * f * f - 2.0 * f) * a.arriving);

@@ -27,6 +27,7 @@ Drift drift(const EstimateErrors& errors) {
       const double end_m = first.distance_m + i * kSegmentStep_m;
       const auto last = std::ranges::lower_bound(samples, end_m, {}, &ErrorSample::distance_m);
       if (last == samples.end()) break;
+      if (errors.track().set_down_within(first.time, last->time)) break;
       const double length_m = last->distance_m - first.distance_m;
       const Pose moved_truly = first.T_map_true.inverse() * last->T_map_true;
       const Pose moved_by_estimate = first.T_map_estimated.inverse() * last->T_map_estimated;
@@ -43,7 +44,9 @@ Drift drift(const EstimateErrors& errors) {
 }
 
 std::optional<double> outage_drift_percent(const EstimateErrors& errors, const ScoreEvent& event) {
-  if (errors.track().empty()) return std::nullopt;
+  if (errors.track().empty() || errors.track().set_down_within(event.from, event.until)) {
+    return std::nullopt;
+  }
   const ErrorSample* before = errors.at(event.from);
   const ErrorSample* after = errors.at(std::min(event.until, errors.track().end()));
   if (before == nullptr || after == nullptr) return std::nullopt;

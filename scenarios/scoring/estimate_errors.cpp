@@ -5,15 +5,47 @@
 
 namespace locsim::scenarios {
 
-TruthTrack::TruthTrack(std::span<const TruthSample> truth) : truth_(truth) {
+namespace {
+
+// The pose at another time, near that of the sample.
+Pose carried_on(const TruthSample& sample, Stamp time) {
+  const double for_s = to_seconds(time - sample.time);
+  return {sample.T_map_vehicle.rotation * so3::exp(for_s * sample.angular_rate_rad_s),
+          sample.T_map_vehicle.translation + for_s * sample.velocity_m_s};
+}
+
+}  // namespace
+
+TruthTrack::TruthTrack(std::span<const TruthSample> truth, std::span<const ScoreEvent> events)
+    : truth_(truth), events_(events) {
   distance_m_.reserve(truth.size());
-  double sum_m = 0.0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (i > 0) {
-      sum_m += (truth[i].T_map_vehicle.translation - truth[i - 1].T_map_vehicle.translation).norm();
+    if (i == 0) {
+      distance_m_.push_back(0.0);
+      continue;
     }
-    distance_m_.push_back(sum_m);
+    const TruthSample& a = truth[i - 1];
+    const TruthSample& b = truth[i];
+    Vector3d way_m = b.T_map_vehicle.translation - a.T_map_vehicle.translation;
+    double way_length_m = way_m.norm();
+    double level_length_m = way_m.head<2>().norm();
+    if (set_down_within(a.time, b.time)) {
+      const double half_s = 0.5 * to_seconds(b.time - a.time);
+      way_length_m = half_s * (a.velocity_m_s.norm() + b.velocity_m_s.norm());
+      level_length_m = half_s * (a.velocity_m_s.head<2>().norm() + b.velocity_m_s.head<2>().norm());
+    }
+    distance_m_.push_back(distance_m_.back() + way_length_m);
+    driven_m_ += level_length_m;
   }
+}
+
+std::optional<Stamp> TruthTrack::set_down_within(Stamp after, Stamp until) const {
+  std::optional<Stamp> last;
+  for (const ScoreEvent& event : events_) {
+    if (!event.moves_car || event.from <= after || event.from > until) continue;
+    last = std::max(last.value_or(event.from), event.from);
+  }
+  return last;
 }
 
 bool TruthTrack::covers(Stamp time) const {
@@ -27,11 +59,14 @@ TruthTrack::Place TruthTrack::at(Stamp time) const {
   if (i == 0 || after->time == time) return {after->T_map_vehicle, distance_m_[i]};
   const TruthSample& before = truth_[i - 1];
   const double fraction = to_seconds(time - before.time) / to_seconds(after->time - before.time);
-  return {interpolate(before.T_map_vehicle, after->T_map_vehicle, fraction),
-          distance_m_[i - 1] + fraction * (distance_m_[i] - distance_m_[i - 1])};
+  const double distance_m = distance_m_[i - 1] + fraction * (distance_m_[i] - distance_m_[i - 1]);
+  if (const auto set_down = set_down_within(before.time, after->time)) {
+    return {carried_on(time < *set_down ? before : *after, time), distance_m};
+  }
+  return {interpolate(before.T_map_vehicle, after->T_map_vehicle, fraction), distance_m};
 }
 
-EstimateErrors::EstimateErrors(const ScoreInput& input) : track_(input.truth) {
+EstimateErrors::EstimateErrors(const ScoreInput& input) : track_(input.truth, input.events) {
   for (const localization::Estimate& estimate : input.estimates) {
     if (!track_.covers(estimate.time)) continue;
     if (!samples_.empty()) {

@@ -14,15 +14,21 @@ namespace locsim::scenarios {
 /// Where the car was, and how far it had driven, at any time of the drive.
 class TruthTrack {
  public:
-  /// Keeps the span. Distances are sums of straight lines between samples, all three axes.
-  explicit TruthTrack(std::span<const TruthSample> truth);
+  /// Keeps the spans. Distances are sums of straight lines between samples, all three axes; where
+  /// an event set the car down elsewhere between two samples, their mean speed times the time.
+  TruthTrack(std::span<const TruthSample> truth, std::span<const ScoreEvent> events);
 
   struct Place {
     Pose T_map_vehicle;
     double distance_m = 0.0;
   };
-  /// Between samples: linear, rotation by slerp. Clamped to the drive.
+  /// Between samples: linear, rotation by slerp. Where the car was set down elsewhere between them,
+  /// straight on from the sample on the same side. Clamped to the drive.
   [[nodiscard]] Place at(Stamp time) const;
+  /// When the car was set down elsewhere in (`after`, `until`], the last time.
+  [[nodiscard]] std::optional<Stamp> set_down_within(Stamp after, Stamp until) const;
+  /// Of the whole drive, horizontally; otherwise as the distances.
+  [[nodiscard]] double driven_m() const { return driven_m_; }
   [[nodiscard]] bool covers(Stamp time) const;
   [[nodiscard]] bool empty() const { return truth_.empty(); }
   [[nodiscard]] Stamp start() const { return truth_.front().time; }
@@ -30,7 +36,9 @@ class TruthTrack {
 
  private:
   std::span<const TruthSample> truth_;
+  std::span<const ScoreEvent> events_;
   std::vector<double> distance_m_;
+  double driven_m_ = 0.0;
 };
 
 /// One estimate against truth at its time. Errors of a pose that is not finite are infinite.

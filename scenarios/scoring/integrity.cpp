@@ -38,6 +38,21 @@ std::optional<double> false_fix_s(const EstimateErrors& errors) {
   return to_seconds(wrong);
 }
 
+std::optional<double> detection_s(const EstimateErrors& errors, Stamp event) {
+  const ErrorSample* last = errors.at(event);
+  if (last == nullptr || !last->tracking()) return 0.0;
+  for (const ErrorSample& sample : errors.all()) {
+    if (sample.time <= event) continue;
+    const Stamp silent = last->time + last->stands;
+    if (sample.time > silent) return to_seconds(silent - event);
+    if (!sample.tracking()) return to_seconds(sample.time - event);
+    if (is_relocalized(sample)) return std::nullopt;
+    last = &sample;
+  }
+  const Stamp silent = last->time + last->stands;
+  return silent < errors.track().end() ? std::optional(to_seconds(silent - event)) : std::nullopt;
+}
+
 Relocalization relocalization(const EstimateErrors& errors, Stamp from) {
   const ErrorSample* first = nullptr;
   Stamp held_until;

@@ -15,6 +15,12 @@ namespace locsim::scenarios {
 /// Nothing where no estimate ever left `initializing`: who says nothing is not right.
 [[nodiscard]] std::optional<double> false_fix_s(const EstimateErrors& errors);
 
+/// Time [s] from the event that makes the pose wrong to the state leaving `tracking`: to the first
+/// estimate after it that is not `tracking`, or to where the estimates fall silent. 0 where the
+/// state was not `tracking` at the event, or nothing stood. Nothing where the pose is right again
+/// (by the bounds of relocalization) or the drive over before: nobody noticed.
+[[nodiscard]] std::optional<double> detection_s(const EstimateErrors& errors, Stamp event);
+
 /// How soon the localizer knew where it was.
 struct Relocalization {
   bool success = false;

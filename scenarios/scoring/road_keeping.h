@@ -15,7 +15,9 @@ struct RoadKeeping {
   /// 0.1 m before it can count again.
   std::int64_t lane_departures = 0;
 };
-/// Nothing without a route or without truth. The drive starts at the route's start.
+/// Nothing without a route or without truth. The drive starts at the route's start. Where an event
+/// set the car down elsewhere, the nearest place of the whole route is where it goes on, and
+/// nothing counts until the body is within its lane: that it was put beside it is not its doing.
 [[nodiscard]] std::optional<RoadKeeping> road_keeping(const ScoreInput& input);
 
 }  // namespace locsim::scenarios

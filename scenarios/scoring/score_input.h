@@ -14,12 +14,15 @@ namespace locsim::scenarios {
 
 using TruthSample = sim::TruthState;
 
-/// Something that was done to the sensors for a while.
+/// Something that was done to the sensors for a while, or to the car at an instant.
 struct ScoreEvent {
   /// As in the scenario's faults: "gnss_outage", "lidar_blackout".
   std::string kind;
   Stamp from;
   Stamp until;
+  /// The car was set down elsewhere at `from`: the pose believed is wrong from then on, and the way
+  /// between the two places was not driven.
+  bool moves_car = false;
 };
 
 /// What a run is scored by. Times ascend; nothing is copied.

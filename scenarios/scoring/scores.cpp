@@ -22,6 +22,7 @@ struct Evaluation {
   std::optional<double> availability = {};
   std::optional<double> false_fix_s = {};
   std::optional<double> outage_drift_percent = {};
+  std::optional<double> detection_s = {};
   Relocalization relocalization = {};
   std::optional<RoadKeeping> road_keeping = {};
   std::optional<std::int64_t> collisions = {};
@@ -63,6 +64,8 @@ constexpr std::array kDefinitions = {
                     [](const E& e) -> Value { return e.outage_drift_percent; }},
     ScoreDefinition{{"availability", "share of the drive tracking and off by less than 1 m"},
                     [](const E& e) -> Value { return e.availability; }},
+    ScoreDefinition{{"detection_s", "from being set down elsewhere to leaving tracking"},
+                    [](const E& e) -> Value { return e.detection_s; }},
     ScoreDefinition{{"relocalization_s", "until tracking within 0.5 m and 2 deg, held for 2 s"},
                     [](const E& e) -> Value { return e.relocalization.time_s; }},
     ScoreDefinition{{"relocalization_distance_m", "driven until then"},
@@ -107,19 +110,31 @@ constexpr std::array<ScoreKind, kDefinitions.size()> kinds() {
 
 // Of several events each is as good as its worst; one that could not be evaluated is the worst.
 std::optional<double> worst(std::span<const EventResult> events,
-                            std::optional<double> EventResult::*value) {
+                            std::optional<double> EventResult::*value,
+                            bool (*is_asked)(const EventResult&)) {
   std::optional<double> result;
   for (const EventResult& event : events) {
+    if (!is_asked(event)) continue;
     if (!(event.*value) || !std::isfinite(*(event.*value))) return std::nullopt;
     result = std::max(result.value_or(*(event.*value)), *(event.*value));
   }
   return result;
 }
 
+bool every(const EventResult& /*event*/) {
+  return true;
+}
+bool moves_car(const EventResult& event) {
+  return event.event.moves_car;
+}
+bool leaves_car(const EventResult& event) {
+  return !event.event.moves_car;
+}
+
 Relocalization worst_relocalization(std::span<const EventResult> events) {
   return {.success = std::ranges::all_of(events, &EventResult::relocalized),
-          .time_s = worst(events, &EventResult::relocalization_s),
-          .distance_m = worst(events, &EventResult::relocalization_distance_m)};
+          .time_s = worst(events, &EventResult::relocalization_s, every),
+          .distance_m = worst(events, &EventResult::relocalization_distance_m, every)};
 }
 
 /// The first usable scan from `time` on; `time` itself where no scan is known.
@@ -128,27 +143,25 @@ Stamp first_scan_from(Stamp time, std::span<const Stamp> scan_times) {
   return found == scan_times.end() ? time : *found;
 }
 
-double driven_m(std::span<const TruthSample> truth) {
-  double sum = 0.0;
-  for (std::size_t i = 1; i < truth.size(); ++i) {
-    const Vector3d step =
-        truth[i].T_map_vehicle.translation - truth[i - 1].T_map_vehicle.translation;
-    sum += step.head<2>().norm();
-  }
-  return sum;
+/// The same after an event. A scan that ends where the car is set down elsewhere was taken before.
+Stamp first_scan_after(const ScoreEvent& event, std::span<const Stamp> scan_times) {
+  if (!event.moves_car) return first_scan_from(event.until, scan_times);
+  const auto found = std::ranges::upper_bound(scan_times, event.until);
+  return found == scan_times.end() ? event.until : *found;
 }
 
 std::vector<EventResult> evaluate_events(const ScoreInput& input, const EstimateErrors& errors) {
   std::vector<EventResult> results;
   for (const ScoreEvent& event : input.events) {
     if (errors.track().empty() || event.from > errors.track().end()) continue;
-    const Relocalization found =
-        relocalization(errors, first_scan_from(event.until, input.scan_times));
-    results.push_back({.event = event,
-                       .outage_drift_percent = outage_drift_percent(errors, event),
-                       .relocalization_s = found.time_s,
-                       .relocalization_distance_m = found.distance_m,
-                       .relocalized = found.success});
+    const Relocalization found = relocalization(errors, first_scan_after(event, input.scan_times));
+    results.push_back(
+        {.event = event,
+         .outage_drift_percent = outage_drift_percent(errors, event),
+         .detection_s = event.moves_car ? detection_s(errors, event.from) : std::nullopt,
+         .relocalization_s = found.time_s,
+         .relocalization_distance_m = found.distance_m,
+         .relocalized = found.success});
   }
   return results;
 }
@@ -183,7 +196,9 @@ RunScores score_run(const ScoreInput& input) {
     evaluation.consistency = consistency(errors);
     evaluation.drift = drift(errors);
     evaluation.false_fix_s = false_fix_s(errors);
-    evaluation.outage_drift_percent = worst(result.events, &EventResult::outage_drift_percent);
+    evaluation.outage_drift_percent =
+        worst(result.events, &EventResult::outage_drift_percent, leaves_car);
+    evaluation.detection_s = worst(result.events, &EventResult::detection_s, moves_car);
     evaluation.relocalization =
         result.events.empty()
             ? relocalization(errors, first_scan_from(errors.track().start(), input.scan_times))
@@ -191,7 +206,7 @@ RunScores score_run(const ScoreInput& input) {
     evaluation.road_keeping = road_keeping(input);
     evaluation.collisions = input.collisions;
     evaluation.route_completed = input.route_completed;
-    evaluation.distance_m = driven_m(input.truth);
+    evaluation.distance_m = errors.track().driven_m();
   }
   for (const ScoreDefinition& definition : kDefinitions) {
     std::optional<double> value = definition.value(evaluation);

@@ -29,6 +29,7 @@ struct Score {
 struct EventResult {
   ScoreEvent event;
   std::optional<double> outage_drift_percent;
+  std::optional<double> detection_s;
   std::optional<double> relocalization_s;
   std::optional<double> relocalization_distance_m;
   bool relocalized = false;
@@ -47,7 +48,8 @@ struct RunScores {
 /// never claimed to know where it was, `availability` and `relocalization_success` are 0 and all
 /// others nothing, also those of what the car did: a run without an estimate has failed.
 /// Of several events the worst one is the score; relocalization counts from the end of each event,
-/// from the first scan where there is no event.
+/// from the first scan where there is no event. `detection_s` asks the events that set the car down
+/// elsewhere, `outage_drift_percent` all others.
 [[nodiscard]] RunScores score_run(const ScoreInput& input);
 
 }  // namespace locsim::scenarios

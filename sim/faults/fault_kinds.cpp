@@ -115,4 +115,10 @@ void GnssAntennaCut::describe(Parameters& p) {
   p.number("attenuation_db", attenuation_db, {.min = 0.0, .max = 120.0});
 }
 
+void Kidnap::describe(Parameters& p) {
+  p.number("along_m", along_m, {.min = -1e4, .max = 1e4});
+  p.number("left_m", left_m, {.min = -20.0, .max = 20.0});
+  p.degrees("turn_deg", turn_rad, kAnyTurn);
+}
+
 }  // namespace locsim::sim

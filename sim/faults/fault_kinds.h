@@ -179,12 +179,28 @@ struct GnssAntennaCut {
   void describe(Parameters& p);
 };
 
+/// The car is set down elsewhere along its route, between two physics steps, with the speed and the
+/// rates that it has in its own frame. Inertial sensors feel nothing; all else sees the new place.
+/// Its lateral offset and its heading, relative to the route, are kept and then changed by `left_m`
+/// and `turn_rad`. Nobody looks whether the place is free: what stands there is hit. See
+/// sim/faults/kidnapper.h for what happens near the route's ends.
+struct Kidnap {
+  static constexpr std::string_view kName = "kidnap";
+  static constexpr bool kIsInstant = true;
+  /// Along the route; negative is back.
+  double along_m = 60.0;
+  double left_m = 0.0;
+  /// Counter-clockwise.
+  double turn_rad = 0.0;
+  void describe(Parameters& p);
+};
+
 /// Every fault there is: a new one is a struct here, its name in this list, and a place that asks
 /// for it.
 using FaultKind =
     std::variant<GnssOutage, LidarBlackout, LidarDirt, LidarFrozen, LidarStamps, LidarKnock,
                  ImuStuckAxis, ImuBiasJump, ImuDropout, ImuLate, ImuSaturation, GnssJamming,
                  GnssSpoofingDragOff, GnssSpoofingStep, GnssClockJump, GnssOverconfident,
-                 GnssFrozen, GnssLate, GnssAntennaCut>;
+                 GnssFrozen, GnssLate, GnssAntennaCut, Kidnap>;
 
 }  // namespace locsim::sim

@@ -24,18 +24,38 @@ FaultKind make_kind(std::string_view name) {
   return FaultKind(std::in_place_index<kIndex>);
 }
 
+bool is_instant(const FaultKind& kind) {
+  return std::visit(
+      []<typename Kind>(const Kind&) {
+        return requires {
+          Kind::kIsInstant;
+        };
+      },
+      kind);
+}
+
 }  // namespace
 
 std::string_view FaultSpec::name() const {
   return kNames[kind.index()];
 }
 
+double FaultSpec::lasts_s() const {
+  return is_instant(kind) ? 0.0 : for_s;
+}
+
 void FaultSpec::describe(Parameters& p) {
   p.number("at_s", at_s, {.min = 0.0, .max = 1e7});
-  p.number("for_s", for_s, {.min = kPositive.min, .max = 1e7});
   std::string chosen{name()};
   p.choice("kind", chosen, kNames);
   if (chosen != name()) kind = make_kind(chosen);
+  if (is_instant(kind)) {
+    for_s = 0.0;
+    p.number("for_s", for_s, {});
+    if (for_s != 0.0) p.fail("for_s", "is given, but a " + chosen + " is an instant: leave it out");
+  } else {
+    p.number("for_s", for_s, {.min = kPositive.min, .max = 1e7});
+  }
   std::visit([&](auto& fault) { fault.describe(p); }, kind);
 }
 
@@ -48,7 +68,7 @@ Faults::Faults(std::vector<FaultSpec> specs, Stamp start)
 
 Faults::Interval Faults::interval(const FaultSpec& spec) const {
   const Stamp begin = start_ + duration_from_seconds(spec.at_s);
-  return {.begin = begin, .end = begin + duration_from_seconds(spec.for_s)};
+  return {.begin = begin, .end = begin + duration_from_seconds(spec.lasts_s())};
 }
 
 }  // namespace locsim::sim

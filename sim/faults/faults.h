@@ -13,12 +13,15 @@ namespace locsim::sim {
 /// Something breaks at `at_s` after the scenario's start and works again `for_s` later.
 struct FaultSpec {
   double at_s = 0.0;
+  /// Without a meaning where the kind is an instant.
   double for_s = 10.0;
   FaultKind kind = {};
 
   /// As scenario files call its kind.
   [[nodiscard]] std::string_view name() const;
-  /// `at_s`, `for_s`, `kind` and the keys of that kind.
+  /// `for_s`, or 0 where the kind is an instant.
+  [[nodiscard]] double lasts_s() const;
+  /// `at_s`, `kind`, `for_s` (0 for a kind that is an instant) and the keys of that kind.
   void describe(Parameters& p);
 };
 

@@ -15,12 +15,13 @@ Stamp time_of_step(const Trajectory& trajectory, std::size_t step) {
   return trajectory.start() + static_cast<std::int64_t>(step) * trajectory.step();
 }
 
-// Of a point fixed in the vehicle, in the map frame, at a physics step.
+// Of a point fixed in the vehicle, along the unbroken curve, at a physics step.
 Vector3d velocity_of(const Trajectory& trajectory, std::size_t step, const Vector3d& p_vehicle) {
   // Throws beyond the end, so it comes before the poses are read.
-  const Vector3d velocity_vehicle_m_s = trajectory.at(time_of_step(trajectory, step)).velocity_m_s;
+  const Vector3d velocity_vehicle_m_s =
+      trajectory.unbroken_at(time_of_step(trajectory, step)).velocity_m_s;
   const auto arm = [&](std::size_t i) -> Vector3d {
-    return trajectory.poses()[i].rotation * p_vehicle;
+    return trajectory.unbroken_poses()[i].rotation * p_vehicle;
   };
   // Second order at the very first pose, too.
   const Vector3d difference = step == 0 ? Vector3d(-3.0 * arm(0) + 4.0 * arm(1) - arm(2))
@@ -63,9 +64,9 @@ Imu::Ideal Imu::ideal(const Trajectory& trajectory, std::size_t first_step,
   const Vector3d velocity_last_m_s = velocity_of(trajectory, last_step, arm);
   const Vector3d velocity_change_m_s = velocity_last_m_s - velocity_of(trajectory, first_step, arm);
   const Eigen::Quaterniond R_map_first =
-      trajectory.poses()[first_step].rotation * T_vehicle_imu_.rotation;
+      trajectory.unbroken_poses()[first_step].rotation * T_vehicle_imu_.rotation;
   const Eigen::Quaterniond R_map_last =
-      trajectory.poses()[last_step].rotation * T_vehicle_imu_.rotation;
+      trajectory.unbroken_poses()[last_step].rotation * T_vehicle_imu_.rotation;
   const Vector3d turn_rad = so3::log(R_map_first.conjugate() * R_map_last);
   const Eigen::Quaterniond R_map_middle = R_map_first * so3::exp(0.5 * turn_rad);
   sample.angular_rate_rad_s = turn_rad / dt_s;

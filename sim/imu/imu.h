@@ -23,7 +23,8 @@ namespace locsim::sim {
 ///     f = R_mᵀ·((v_b − v_a)/Δt − g),   R_m = R_a·Exp(ω·Δt/2)
 ///
 /// R is the imu's attitude and v the velocity of its own place in the map, the trajectory's plus
-/// the central difference of the rotating lever arm: Euler and centripetal terms are within.
+/// the central difference of the rotating lever arm: Euler and centripetal terms are within. Both
+/// are of the trajectory's unbroken curve: being set down elsewhere is not felt.
 /// Hence a receiver that does R_b = R_a·Exp(ω·Δt), v_b = v_a + (R_m·f + g)·Δt and
 /// p_b = p_a + (v_a + v_b)·Δt/2 has attitude and velocity exactly, and the position to a bounded
 /// Δt²/12·(change of acceleration) as long as the motion has nothing near half the sample rate.

@@ -99,6 +99,7 @@ FiringBlock Lidar::firing_block(const Trajectory& trajectory, Stamp scan_start,
   for (std::size_t i = 0; i <= block.cycles; ++i) {
     block.times[i] = scan_start + spec_.cycle * static_cast<std::int64_t>(block.first_cycle + i);
     block.T_map_lidar[i] = trajectory.pose_at(block.times[i]) * T_vehicle_lidar;
+    if (i > 0) block.is_torn[i - 1] = trajectory.jumps_within(block.times[i - 1], block.times[i]);
     if (i == block.cycles) break;
     block.heads[i] =
         heads_.empty() ? head_turn_at(spec_, block.times[i]) : heads_[block.first_cycle + i];
@@ -184,6 +185,7 @@ std::size_t Lidar::report(const FiringBlock& block, Stamp scan_start, const Scra
   const std::size_t lists = receiver_.is_dual() ? 2 : 1;
   LidarPoint* next = points;
   for (std::size_t i = 0; i < block.cycles; ++i) {
+    if (block.is_torn[i]) continue;
     if (std::ranges::any_of(blackouts_, [&](const Faults::Timed<LidarBlackout>& blackout) {
           return blackout.interval.contains(block.times[i]);
         })) {

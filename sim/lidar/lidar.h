@@ -43,7 +43,8 @@ class Lidar {
 
   /// Casts those blocks of the scan that end in (`from`, `to`] and appends their returns, in
   /// firing order; of two returns of one ray the stronger comes first. Slices that follow each
-  /// other from `scan.start` to `scan.end` cast every ray once. `trajectory` must reach from
+  /// other from `scan.start` to `scan.end` cast every ray once. A firing cycle within which the car
+  /// is set down elsewhere has no returns. `trajectory` must reach from
   /// `scan.start` to `to`. Works in as many threads as the caller's task arena has.
   void cast(const RayScene& scene, const Trajectory& trajectory, Stamp from, Stamp to,
             LidarScan& scan);

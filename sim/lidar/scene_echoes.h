@@ -22,6 +22,8 @@ struct FiringBlock {
   std::array<Stamp, kLanes + 1> times;
   std::array<Pose, kLanes + 1> T_map_lidar;
   std::array<HeadTurn, kLanes> heads;
+  /// Cycles within which the car is set down elsewhere: their rays start between the two places.
+  std::array<bool, kLanes> is_torn{};
 
   [[nodiscard]] std::span<const HeadTurn> head_turns() const { return {heads.data(), cycles}; }
 };

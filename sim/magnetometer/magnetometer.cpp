@@ -70,7 +70,7 @@ void Magnetometer::sample(const Trajectory& trajectory, Stamp from, Stamp to,
     double yaw_rad = truth.T_map_vehicle.yaw();
     if (spec_.noise) {
       yaw_rad = heading_rad(reading_uT(truth.T_map_vehicle, at[k], k),
-                            tilt_.up_in_vehicle(trajectory, at, k, truth));
+                            tilt_.up_in_vehicle(trajectory, at, k, trajectory.unbroken_at(at[k])));
     }
     out.push_back({.time = at[k], .yaw_rad = yaw_rad, .sigma_rad = spec_.heading_sigma_rad});
   }

@@ -17,8 +17,8 @@ TiltEstimate::TiltEstimate(const MagnetometerSpec& spec, std::uint64_t seed)
 Vector3d TiltEstimate::up_in_vehicle(const Trajectory& trajectory, const SampleTimes& times,
                                      std::int64_t k, const TruthState& truth) {
   if (accelerations_) {
-    if (k_ == 0) velocity_m_s_ = trajectory.at(times[0]).velocity_m_s;
-    while (k_ + 1 < k) pass(trajectory.at(times[k_ + 1]).velocity_m_s);
+    if (k_ == 0) velocity_m_s_ = trajectory.unbroken_at(times[0]).velocity_m_s;
+    while (k_ + 1 < k) pass(trajectory.unbroken_at(times[k_ + 1]).velocity_m_s);
     if (k_ < k) pass(truth.velocity_m_s);
   }
   const Vector3d up_map = mean_acceleration_m_s2_ + kGravity_m_s2 * Vector3d::UnitZ();

@@ -22,8 +22,9 @@ class TiltEstimate {
  public:
   TiltEstimate(const MagnetometerSpec& spec, std::uint64_t seed);
 
-  /// Unit vector in the vehicle frame at sample `k`, where the vehicle is at `truth`. Moves forward
-  /// only: `k` must not be below that of the call before.
+  /// Unit vector in the vehicle frame at sample `k`, where the vehicle is at `truth`, both along
+  /// the unbroken curve: being set down elsewhere is not felt. Moves forward only: `k` must not be
+  /// below that of the call before.
   [[nodiscard]] Vector3d up_in_vehicle(const Trajectory& trajectory, const SampleTimes& times,
                                        std::int64_t k, const TruthState& truth);
 

@@ -73,6 +73,19 @@ Controls Driver::control(Stamp now, const std::optional<DriverView>& told) {
           .acceleration_m_s2 = acceleration(now, told->speed_m_s)};
 }
 
+void Driver::set_down(double s_m) {
+  clock_shift_s_ += route_->at(s_m).time_s - route_->at(place_.s_m).time_s;
+  place_.s_m = s_m;
+  halted_.reset();
+  const auto& stops = route_->stops();
+  next_stop_ = static_cast<std::size_t>(std::ranges::upper_bound(stops, s_m, {}, &RouteStop::s_m) -
+                                        stops.begin());
+}
+
+double Driver::route_time_s(Stamp now) const {
+  return to_seconds(now - *set_off_) + clock_shift_s_;
+}
+
 double Driver::turned_on(double angle_rad, double for_s) const {
   const double rate_rad_s =
       std::clamp((last_steering_rad_ - angle_rad) / std::max(for_s, vehicle_.steering_lag_s),
@@ -174,7 +187,7 @@ bool Driver::waits_at_stop(Stamp now, double speed_m_s) {
     return true;
   }
   const bool is_served = to_seconds(now - *halted_) >= stops[next_stop_].dwell_s;
-  const double time_s = to_seconds(now - *set_off_);
+  const double time_s = route_time_s(now);
   const bool is_early = config_.keep_schedule && time_s < route_->duration_s() &&
                         route_->s_at_time(time_s) < stop_m + kLateEnough_m;
   if (!is_served || is_early) return true;
@@ -200,7 +213,7 @@ double Driver::target_speed(double time_s, double ahead_m) const {
 
 double Driver::acceleration(Stamp now, double speed_m_s) {
   if (finished_ || waits_at_stop(now, speed_m_s)) return kHold_m_s2;
-  const double time_s = to_seconds(now - *set_off_);
+  const double time_s = route_time_s(now);
   // The drive lags: aim at what the profile wants once it answers.
   const double lag_m = std::max(0.3, speed_m_s * vehicle_.acceleration_lag_s);
   const double target_m_s = target_speed(time_s, lag_m);

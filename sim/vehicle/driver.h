@@ -59,6 +59,10 @@ class Driver {
   /// holds. The answer is always finite and within the vehicle's limits.
   [[nodiscard]] Controls control(Stamp now, const std::optional<DriverView>& view);
 
+  /// The car has been set down at `s_m` of the route: the schedule and the stops go on from there,
+  /// as late as the car was, stops passed over are not made up for, and stops ahead are made again.
+  void set_down(double s_m);
+
   /// When the first view came.
   [[nodiscard]] std::optional<Stamp> set_off_at() const { return set_off_; }
   /// True once the car stands at the end of the route.
@@ -83,6 +87,8 @@ class Driver {
   [[nodiscard]] RoutePoint mean_lane(double s_m, double over_m) const;
   [[nodiscard]] double steering(const Pose& T_map_ahead, double speed_m_s) const;
   [[nodiscard]] double acceleration(Stamp now, double speed_m_s);
+  /// On the route's clock.
+  [[nodiscard]] double route_time_s(Stamp now) const;
   [[nodiscard]] bool waits_at_stop(Stamp now, double speed_m_s);
   [[nodiscard]] double target_speed(double time_s, double ahead_m) const;
 
@@ -93,6 +99,8 @@ class Driver {
   std::optional<Stamp> set_off_;
   std::optional<Stamp> halted_;
   RouteProjection place_;
+  /// Set down further along the route, the car is ahead of the time since it set off.
+  double clock_shift_s_ = 0.0;
   std::size_t next_stop_ = 0;
   double last_steering_rad_ = 0.0;
   bool finished_ = false;

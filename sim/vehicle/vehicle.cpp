@@ -39,15 +39,16 @@ VehicleSpec checked(const VehicleSpec& spec) {
   return spec;
 }
 
-Vector3d ground_below(const GroundRays& ground, const Vector3d& p_map) {
+Vector3d ground_below(const GroundRays& ground, const Vector3d& p_map,
+                      const std::string& place = "the start") {
   // A start may lie metres off in height (a logged GNSS height); the nearest ground is meant.
   for (const double reach_m : {3.0, 300.0}) {
     const Vector3d reach(0.0, 0.0, reach_m);
     if (const auto hit = ground.cast(p_map + reach, p_map - reach)) return hit->point;
   }
-  throw InputError("vehicle: no ground below the start, at x " + std::to_string(p_map.x()) +
+  throw InputError("vehicle: no ground below " + place + ", at x " + std::to_string(p_map.x()) +
                    " m, y " + std::to_string(p_map.y()) +
-                   " m of the map; start on the world's ground");
+                   " m of the map; choose a place on the world's ground");
 }
 
 Pose standing_pose(const VehicleSpec& spec, const GroundRays& ground, const Pose& T_map_start) {
@@ -100,6 +101,32 @@ struct Vehicle::Impl {
   void stand_at(const Pose& T_map_vehicle) {
     chassis.setWorldTransform(as_bullet(T_map_vehicle * T_vehicle_cog));
     chassis.setInterpolationWorldTransform(chassis.getWorldTransform());
+  }
+
+  // Of the ground below the wheels, on their mean, over the vehicle's own plane.
+  [[nodiscard]] double ground_above_m(const Pose& T_map_vehicle) const {
+    double sum_m = 0.0;
+    for (const double x_m : {0.0, spec.wheelbase_m}) {
+      for (const double side : {-0.5, 0.5}) {
+        const Vector3d p_map = T_map_vehicle * Vector3d(x_m, side * spec.track_m, 0.0);
+        sum_m += ground_below(ground, p_map, "where the car is set down").z() - p_map.z();
+      }
+    }
+    return 0.25 * sum_m;
+  }
+
+  Pose set_down(const Pose& T_map_map) {
+    const Pose T_map_vehicle = as_pose(chassis.getWorldTransform()) * T_vehicle_cog.inverse();
+    Pose done = T_map_map;
+    done.translation.z() +=
+        ground_above_m(T_map_map * T_map_vehicle) - ground_above_m(T_map_vehicle);
+    const btTransform motion = as_bullet(done);
+    chassis.setLinearVelocity(motion.getBasis() * chassis.getLinearVelocity());
+    chassis.setAngularVelocity(motion.getBasis() * chassis.getAngularVelocity());
+    // Turns the inertia, too.
+    chassis.setCenterOfMassTransform(motion * chassis.getWorldTransform());
+    obstacles.move_to(as_eigen(chassis.getCenterOfMassPosition()));
+    return done;
   }
 
   void move_actuators(const Controls& controls, double step_s) {
@@ -200,6 +227,10 @@ Vehicle::Vehicle(Vehicle&&) noexcept = default;
 void Vehicle::step(const Controls& controls) {
   assert(std::isfinite(controls.steering_rad) && std::isfinite(controls.acceleration_m_s2));
   impl_->step(controls);
+}
+
+Pose Vehicle::set_down(const Pose& T_map_map) {
+  return impl_->set_down(T_map_map);
 }
 
 void Vehicle::set_actor_poses(std::span<const Pose> T_map_actor) {

@@ -38,6 +38,12 @@ class Vehicle {
   /// Advances by `spec().step`. `controls` must be finite.
   void step(const Controls& controls);
 
+  /// Sets the car down elsewhere between two steps: `T_map_map`, which turns about the vertical
+  /// only, takes it there with the speed and the rates that it has in its own frame. Its height
+  /// follows from the ground: on the mean of the four wheels the same as before. Answers what was
+  /// done, `T_map_map` with that height. Throws InputError where a wheel has no ground below it.
+  Pose set_down(const Pose& T_map_map);
+
   /// Puts the boxes of the moving actors: one T_map_actor for each actor given at construction,
   /// in order. Throws std::invalid_argument at another number.
   void set_actor_poses(std::span<const Pose> T_map_actor);

@@ -93,6 +93,10 @@ TEST(Faults, ValuesOutOfTheirLimitsAreRefusedByKey) {
   EXPECT_TRUE(says(message_of(GnssOverconfident{.sigma_factor = 0.0}), "sigma_factor"));
   EXPECT_TRUE(says(message_of(GnssLate{.delay_s = -0.1}), "delay_s"));
   EXPECT_TRUE(says(message_of(GnssAntennaCut{.attenuation_db = -1.0}), "attenuation_db"));
+  EXPECT_TRUE(says(message_of(Kidnap{.along_m = 2e4}), "along_m"));
+  EXPECT_TRUE(says(message_of(Kidnap{.left_m = -21.0}), "left_m"));
+  EXPECT_TRUE(says(message_of(Kidnap{.turn_rad = 7.0}), "turn_deg"));
+  EXPECT_TRUE(message_of(Kidnap{}).empty());
   EXPECT_TRUE(message_of(LidarFrozen{}).empty());
   EXPECT_TRUE(message_of(GnssFrozen{}).empty());
   EXPECT_TRUE(message_of(GnssJamming{}).empty());
@@ -102,6 +106,19 @@ TEST(Faults, ValuesOutOfTheirLimitsAreRefusedByKey) {
   EXPECT_TRUE(message_of(GnssOverconfident{}).empty());
   EXPECT_TRUE(message_of(GnssLate{}).empty());
   EXPECT_TRUE(message_of(GnssAntennaCut{}).empty());
+}
+
+TEST(Faults, AnInstantIsOverWhenItBegins) {
+  const Faults faults({{.at_s = 3.0, .kind = Kidnap{.along_m = -40.0}}});
+  const auto all = faults.all<Kidnap>();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].interval.begin, stamp_from_seconds(3.0));
+  EXPECT_EQ(all[0].interval.end, stamp_from_seconds(3.0));
+  EXPECT_EQ(all[0].fault.along_m, -40.0);
+  EXPECT_EQ(faults.active<Kidnap>(stamp_from_seconds(3.0)), nullptr);
+  EXPECT_EQ(faults.specs()[0].lasts_s(), 0.0);
+  EXPECT_EQ(faults.specs()[0].name(), "kidnap");
+  EXPECT_EQ((FaultSpec{.for_s = 7.0, .kind = GnssOutage{}}.lasts_s()), 7.0);
 }
 
 TEST(Faults, NegativeTimesAreRefused) {
