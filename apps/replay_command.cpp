@@ -27,6 +27,8 @@ using scenarios::ReplayReport;
 using scenarios::WindowSetScore;
 
 constexpr const char* kAuto = "auto";
+constexpr const char* kMeasured = "measured";
+constexpr const char* kPreset = "preset";
 
 struct ReplayArguments {
   std::string log;
@@ -34,6 +36,8 @@ struct ReplayArguments {
   std::string localizer;
   std::vector<std::string> settings;
   std::string gnss_offset = kAuto;
+  std::string velocity_delay = kAuto;
+  std::string imu_noise = kMeasured;
   std::vector<double> withhold_s = {10.0, 30.0, 60.0};
   std::size_t windows = 12;
   std::string out;
@@ -67,6 +71,9 @@ void print_set(const WindowSetScore& set) {
   std::snprintf(title, sizeof title, "%zu windows of %g s, %zu %s", set.windows.size(),
                 set.length_s, set.passes, set.passes == 1 ? "pass" : "passes");
   print_header(title);
+  if (set.lost > 0) {
+    std::printf("  called itself lost at the end of %zu of them; scored all the same\n", set.lost);
+  }
   print_summary("drift at the end [m]", set.drift_m, "%.2f");
   print_summary("largest drift [m]", set.drift_max_m, "%.2f");
   print_summary("drift at the end [% of distance]", set.drift_percent, "%.2f");
@@ -86,6 +93,17 @@ void print_report(const ReplayReport& report) {
         ", where the course turns as gyro z does: correlation %.4f, slope %.4f, %zu intervals",
         found->correlation, found->slope, found->intervals);
   }
+  std::printf("\nvelocities are true %.4f s before their stamps",
+              to_seconds(report.velocity_delay));
+  if (const auto& found = report.estimated_delay) {
+    std::printf(": they leave %.1f mm of a position's moves unexplained, unshifted %.1f mm",
+                1e3 * found->rms_m, 1e3 * found->rms_without_m);
+  }
+  if (report.rig.measured_noise.accel_m_s2_sqrthz > 0.0) {
+    std::printf("\nIMU noise as its samples scatter: %.5f rad/s and %.4f m/s2 per sqrt(Hz)",
+                report.rig.measured_noise.gyro_rad_s_sqrthz,
+                report.rig.measured_noise.accel_m_s2_sqrthz);
+  }
   const scenarios::HeldOutScore& held = result.held_out;
   if (held.first_claim_s) {
     std::printf("\nfirst estimate after %.1f s\n", *held.first_claim_s);
@@ -103,18 +121,38 @@ void print_report(const ReplayReport& report) {
   }
 }
 
+// For options that are seconds or kAuto.
+Duration seconds_of(const std::string& text, const char* option, const char* what) {
+  const auto value = scenarios::parse_seconds(text);
+  if (!value) {
+    throw InputError(std::string(option) + ": '" + text + "' needs to be seconds " + what +
+                     ", or auto");
+  }
+  return value->time_since_epoch();
+}
+
+Duration find_delay(const ReplayArguments& arguments, const scenarios::GnssLog& log,
+                    ReplayReport& report) {
+  if (arguments.velocity_delay == kAuto) {
+    report.estimated_delay = scenarios::estimate_velocity_delay(log);
+    return report.estimated_delay->delay;
+  }
+  const Duration delay = seconds_of(arguments.velocity_delay, "--velocity-delay",
+                                    "from a velocity's time to its stamp");
+  if (delay < Duration{0} || delay > std::chrono::seconds(1)) {
+    throw InputError("--velocity-delay: " + arguments.velocity_delay +
+                     " s needs to lie in 0...1 s");
+  }
+  return delay;
+}
+
 Duration find_offset(const ReplayArguments& arguments, const scenarios::DriveLog& log,
                      ReplayReport& report) {
   if (arguments.gnss_offset == kAuto) {
     report.estimated_offset = scenarios::estimate_clock_offset(log, report.rig.imu.mount.pose());
     return report.estimated_offset->offset;
   }
-  const auto offset = scenarios::parse_seconds(arguments.gnss_offset);
-  if (!offset) {
-    throw InputError("--gnss-offset: '" + arguments.gnss_offset +
-                     "' needs to be seconds to add to the GNSS stamps, or auto");
-  }
-  return offset->time_since_epoch();
+  return seconds_of(arguments.gnss_offset, "--gnss-offset", "to add to the GNSS stamps");
 }
 
 void check_out(const ReplayArguments& arguments) {
@@ -130,6 +168,11 @@ int replay(const ReplayArguments& arguments) {
                       .rig = scenarios::load_replay_rig(arguments.rig, arguments.log,
                                                         arguments.localizer, arguments.settings)};
   scenarios::DriveLog log = scenarios::read_drive_log(arguments.log);
+  log.gnss.velocity_delay = report.velocity_delay = find_delay(arguments, log.gnss, report);
+  report.rig.tell_velocity_delay(report.velocity_delay);
+  if (arguments.imu_noise == kMeasured) {
+    report.rig.tell_imu_noise(scenarios::measure_imu_noise(log.imu.samples));
+  }
   report.gnss_offset = find_offset(arguments, log, report);
   log.shift_gnss(report.gnss_offset);
   report.duration_s = log.imu.duration_s();
@@ -188,6 +231,16 @@ void add_replay_command(CLI::App& app, Action& action) {
   command
       ->add_option("--gnss-offset", arguments->gnss_offset,
                    "What to add to the GNSS stamps [s]; auto: from the turns of course and gyro")
+      ->capture_default_str();
+  command
+      ->add_option("--velocity-delay", arguments->velocity_delay,
+                   "From a GNSS velocity's own time to its stamp [s]; auto: by how positions move")
+      ->capture_default_str();
+  command
+      ->add_option("--imu-noise", arguments->imu_noise,
+                   "What the localizer is told of the IMU's white noise: as the samples scatter "
+                   "(measured), vibration included, or the preset's")
+      ->check(CLI::IsMember({kMeasured, kPreset}))
       ->capture_default_str();
   command
       ->add_option("--withhold", arguments->withhold_s,

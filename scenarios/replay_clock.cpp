@@ -5,12 +5,15 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/geodesy.h"
 
 namespace locsim::scenarios {
 
 namespace {
 
 constexpr Duration kStep{5'000'000};
+constexpr Duration kLongestDelay{1'000'000'000};
+constexpr double kDelayGate = 25.0;
 constexpr int kSteps = 400;
 constexpr double kLeastSpeed_m_s = 2.0;
 constexpr double kLongestInterval_s = 1.1;
@@ -35,7 +38,7 @@ std::vector<Turn> course_turns(const GnssLog& log) {
       continue;
     }
     const double angle_rad = std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
-    turns.push_back({a.fix.time, b.fix.time, angle_rad});
+    turns.push_back({a.fix.time - log.velocity_delay, b.fix.time - log.velocity_delay, angle_rad});
   }
   return turns;
 }
@@ -70,6 +73,60 @@ class TurnedAngle {
   std::vector<double> angles_rad_;
 };
 
+// The way from one reference fix to the next.
+struct Way {
+  std::size_t first = 0;
+  Eigen::Vector2d moved_m = Eigen::Vector2d::Zero();
+};
+
+// What two fixes that follow each other at a usual interval are.
+bool follow(const GnssLog::Entry& a, const GnssLog::Entry& b) {
+  return a.reference && b.reference && to_seconds(b.fix.time - a.fix.time) <= kLongestInterval_s;
+}
+
+// Ways that have enough fixes after them for any delay, and move.
+std::vector<Way> ways(const GnssLog& log) {
+  const LocalFrame frame(log.entries.front().fix.position);
+  std::vector<Way> found;
+  for (std::size_t i = 0; i + 1 < log.entries.size(); ++i) {
+    const GnssLog::Entry& a = log.entries[i];
+    const GnssLog::Entry& b = log.entries[i + 1];
+    if (!follow(a, b) || b.fix.velocity_enu_m_s.head<2>().norm() < kLeastSpeed_m_s) continue;
+    std::size_t last = i + 1;
+    while (last + 1 < log.entries.size() && follow(log.entries[last], log.entries[last + 1]) &&
+           log.entries[last].fix.time < b.fix.time + kLongestDelay) {
+      ++last;
+    }
+    if (log.entries[last].fix.time < b.fix.time + kLongestDelay) continue;
+    found.push_back({i, (frame.to_map(b.fix.position) - frame.to_map(a.fix.position)).head<2>()});
+  }
+  return found;
+}
+
+// Sum of squares of the ways less the velocities, true `delay` before their stamps, integrated.
+double unexplained_m2(const GnssLog& log, const std::vector<Way>& ways, Duration delay) {
+  double sum_m2 = 0.0;
+  for (const Way& way : ways) {
+    const Stamp from = log.entries[way.first].fix.time + delay;
+    const Stamp until = log.entries[way.first + 1].fix.time + delay;
+    Eigen::Vector2d left_m = way.moved_m;
+    for (std::size_t i = way.first; log.entries[i].fix.time < until; ++i) {
+      const GnssFix& a = log.entries[i].fix;
+      const GnssFix& b = log.entries[i + 1].fix;
+      const Stamp begin = std::max(from, a.time);
+      const Stamp end = std::min(until, b.time);
+      if (end <= begin) continue;
+      // A straight line is its value at the middle.
+      const double share = 0.5 * (to_seconds(begin - a.time) + to_seconds(end - a.time)) /
+                           to_seconds(b.time - a.time);
+      left_m -= to_seconds(end - begin) *
+                ((1.0 - share) * a.velocity_enu_m_s + share * b.velocity_enu_m_s).head<2>();
+    }
+    sum_m2 += left_m.squaredNorm();
+  }
+  return sum_m2;
+}
+
 ClockOffset compare(const std::vector<Turn>& turns, const TurnedAngle& gyro, Duration offset) {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   for (const Turn& turn : turns) {
@@ -93,6 +150,31 @@ ClockOffset compare(const std::vector<Turn>& turns, const TurnedAngle& gyro, Dur
 }
 
 }  // namespace
+
+VelocityDelay estimate_velocity_delay(const GnssLog& log) {
+  VelocityDelay result;
+  if (log.entries.empty()) return result;
+  const std::vector<Way> compared = ways(log);
+  result.intervals = compared.size();
+  if (compared.size() < kFewestIntervals) return result;
+  std::vector<double> sums_m2;
+  for (Duration delay{0}; delay <= kLongestDelay; delay += kStep) {
+    sums_m2.push_back(unexplained_m2(log, compared, delay));
+  }
+  // Two axes each.
+  const auto n = 2.0 * static_cast<double>(compared.size());
+  const auto best = std::ranges::min_element(sums_m2);
+  result.rms_without_m = std::sqrt(sums_m2.front() / n);
+  result.rms_m = result.rms_without_m;
+  const bool inside = best != sums_m2.begin() && best != sums_m2.end() - 1;
+  if (!inside || n * (sums_m2.front() - *best) < kDelayGate * *best) return result;
+  const double bend = *(best - 1) - 2.0 * *best + *(best + 1);
+  const double shift = bend > 0.0 ? 0.5 * (*(best - 1) - *(best + 1)) / bend : 0.0;
+  result.delay =
+      (best - sums_m2.begin()) * kStep + duration_from_seconds(shift * to_seconds(kStep));
+  result.rms_m = std::sqrt(unexplained_m2(log, compared, result.delay) / n);
+  return result;
+}
 
 ClockOffset estimate_clock_offset(const DriveLog& log, const Pose& T_vehicle_imu) {
   const std::vector<Turn> turns = course_turns(log.gnss);

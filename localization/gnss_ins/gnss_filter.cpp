@@ -99,13 +99,6 @@ void GnssFilter::predict(const ImuSample& sample) {
       kGravity_m_s2 * Vector3d::UnitZ();
 }
 
-void GnssFilter::correct(const GnssFix& fix) {
-  const double interval_s = time_since_s(memory_.last_fix, fix.time);
-  memory_.last_fix = fix.time;
-  correct_velocity(fix, interval_s);
-  correct_position(fix, interval_s);
-}
-
 bool GnssFilter::on_refusal(Refusals& refusals, Stamp time) {
   if (refusals.count++ == 0) refusals.first = time;
   const double since_s = to_seconds(time - refusals.first);
@@ -114,15 +107,17 @@ bool GnssFilter::on_refusal(Refusals& refusals, Stamp time) {
   return since_s > config_.gates.inflate_after_s;
 }
 
-void GnssFilter::correct_velocity(const GnssFix& fix, double interval_s) {
+void GnssFilter::correct(const GnssVelocity& velocity) {
+  const double interval_s = time_since_s(memory_.last_velocity, velocity.time);
+  memory_.last_velocity = velocity.time;
   const GnssNoiseConfig& noise = config_.gnss;
   const Vector3d by_clock = memory_.acceleration_m_s2 * noise.time_sigma_s;
-  const Matrix3d covariance = used_covariance(fix.velocity_covariance_m2_s2, noise.velocity_scale,
-                                              noise.velocity_floor_m_s) +
-                              by_clock * by_clock.transpose();
-  if (correct_attitude(fix, covariance)) return;
+  const Matrix3d covariance =
+      used_covariance(velocity.covariance_m2_s2, noise.velocity_scale, noise.velocity_floor_m_s) +
+      by_clock * by_clock.transpose();
+  if (correct_attitude(velocity, covariance)) return;
   const Innovation innovation =
-      filter_.update_velocity(fix.velocity_enu_m_s, covariance, config_.gates.gate,
+      filter_.update_velocity(velocity.velocity_enu_m_s, covariance, config_.gates.gate,
                               correlated_weight(interval_s, noise.velocity_correlation_s));
   memory_.report.velocity = innovation;
   if (innovation.accepted) {
@@ -132,7 +127,7 @@ void GnssFilter::correct_velocity(const GnssFix& fix, double interval_s) {
     return;
   }
   ++memory_.report.velocities_refused;
-  if (on_refusal(memory_.velocity_refusals, fix.time)) {
+  if (on_refusal(memory_.velocity_refusals, velocity.time)) {
     filter_.inflate_velocity(config_.gates.inflate_velocity_m_s);
     filter_.inflate_pose(0.0, config_.gates.inflate_attitude_rad);
   }
@@ -140,14 +135,14 @@ void GnssFilter::correct_velocity(const GnssFix& fix, double interval_s) {
 
 // The prior is this filter's own attitude, so nothing is used twice there; the velocity that is
 // used here is not given to the filter as a velocity too, and it gets one between any two.
-bool GnssFilter::correct_attitude(const GnssFix& fix, const Matrix3d& covariance) {
+bool GnssFilter::correct_attitude(const GnssVelocity& velocity, const Matrix3d& covariance) {
   if (!config_.velocity_attitude || memory_.velocities_since_attitude == 0 ||
-      to_seconds(fix.time - memory_.last_attitude) < config_.attitude_interval_s) {
+      to_seconds(velocity.time - memory_.last_attitude) < config_.attitude_interval_s) {
     return false;
   }
   const Estimate now = filter_.vehicle_estimate();
   VelocityObservation observation;
-  observation.velocity_m_s = fix.velocity_enu_m_s;
+  observation.velocity_m_s = velocity.velocity_enu_m_s;
   observation.covariance_m2_s2 = covariance;
   observation.angular_rate_rad_s = now.angular_rate_rad_s;
   observation.antenna_in_vehicle_m = rig_.antenna_in_vehicle_m;
@@ -156,13 +151,15 @@ bool GnssFilter::correct_attitude(const GnssFix& fix, const Matrix3d& covariance
                           observation, config_.attitude);
   if (!correction.accepted()) return false;
   filter_.take_attitude(correction.R_map_vehicle, correction.covariance_rad2);
-  memory_.last_attitude = fix.time;
+  memory_.last_attitude = velocity.time;
   memory_.velocities_since_attitude = 0;
   ++memory_.report.attitude_corrections;
   return true;
 }
 
-void GnssFilter::correct_position(const GnssFix& fix, double interval_s) {
+void GnssFilter::correct(const GnssFix& fix) {
+  const double interval_s = time_since_s(memory_.last_fix, fix.time);
+  memory_.last_fix = fix.time;
   const GnssNoiseConfig& noise = config_.gnss;
   const Vector3d by_clock = filter_.state().velocity_m_s * noise.time_sigma_s;
   Matrix3d covariance =

@@ -12,8 +12,18 @@
 
 namespace locsim::localization {
 
-/// What corrects the filter; its time is by the IMU's clock.
-using GnssAid = std::variant<GnssFix, MagneticHeading>;
+/// A receiver's velocity, at the time that it is true of.
+struct GnssVelocity {
+  Stamp time;
+  /// East, north, up [m/s].
+  Vector3d velocity_enu_m_s = Vector3d::Zero();
+  /// As the receiver claims it [(m/s)²].
+  Matrix3d covariance_m2_s2 = Matrix3d::Zero();
+};
+
+/// What corrects the filter; its time is by the IMU's clock. Of a fix the position. At the same
+/// time they are taken in this order.
+using GnssAid = std::variant<GnssVelocity, GnssFix, MagneticHeading>;
 [[nodiscard]] Stamp time_of(const GnssAid& aid);
 
 /// Refusals of one kind of measurement since the last that was accepted.
@@ -57,6 +67,7 @@ struct GnssFilterMemory {
   StandstillWindow window;
   Refusals position_refusals;
   Refusals velocity_refusals;
+  std::optional<Stamp> last_velocity;
   std::optional<Stamp> last_fix;
   std::optional<Stamp> last_heading;
   std::optional<Stamp> last_position_accepted;
@@ -101,11 +112,10 @@ class GnssFilter {
 
  private:
   void predict(const ImuSample& sample);
+  void correct(const GnssVelocity& velocity);
   void correct(const GnssFix& fix);
   void correct(const MagneticHeading& heading);
-  void correct_velocity(const GnssFix& fix, double interval_s);
-  void correct_position(const GnssFix& fix, double interval_s);
-  [[nodiscard]] bool correct_attitude(const GnssFix& fix, const Matrix3d& covariance);
+  [[nodiscard]] bool correct_attitude(const GnssVelocity& velocity, const Matrix3d& covariance);
   void constrain(const ImuSample& sample);
   /// Counts; true where the belief should be made wider.
   [[nodiscard]] bool on_refusal(Refusals& refusals, Stamp time);

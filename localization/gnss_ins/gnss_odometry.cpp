@@ -77,7 +77,11 @@ AidStatus GnssOdometry::add(const GnssFix& fix) {
   if (!is_usable(fix)) return AidStatus::unusable;
   GnssFix by_imu = fix;
   by_imu.time += duration_from_seconds(config_.gnss_time_offset_s);
-  const AidStatus status = take(by_imu);
+  const GnssVelocity velocity{
+      .time = by_imu.time - duration_from_seconds(config_.gnss.velocity_delay_s),
+      .velocity_enu_m_s = fix.velocity_enu_m_s,
+      .covariance_m2_s2 = fix.velocity_covariance_m2_s2};
+  const AidStatus status = take(by_imu, velocity);
   if (status != AidStatus::taken || filter_) return status;
   guess_.add(by_imu);
   if (!last_fix_ || by_imu.time > last_fix_->time) last_fix_ = by_imu;
@@ -97,7 +101,7 @@ AidStatus GnssOdometry::add(const MagneticHeading& heading) {
   return status;
 }
 
-AidStatus GnssOdometry::take(const GnssAid& aid) {
+AidStatus GnssOdometry::take(const GnssAid& aid, const std::optional<GnssVelocity>& earlier) {
   const Stamp time = time_of(aid);
   // A wrong time must not wait for its day.
   if (newest_sample_ && time > *newest_sample_ + late_max_) return AidStatus::too_new;
@@ -114,9 +118,14 @@ AidStatus GnssOdometry::take(const GnssAid& aid) {
   if (time <= memories_.front().belief.state.time) return AidStatus::too_old;
   now_ = std::max(now_, time);
   aids_.insert(place, aid);
-  if (time > reached) return AidStatus::taken;
+  Stamp from = time;
+  if (earlier && earlier->time > memories_.front().belief.state.time) {
+    aids_.insert(std::ranges::lower_bound(aids_, GnssAid(*earlier), comes_before), *earlier);
+    from = earlier->time;
+  }
+  if (from > reached) return AidStatus::taken;
 
-  while (memories_.back().belief.state.time >= time) memories_.pop_back();
+  while (memories_.back().belief.state.time >= from) memories_.pop_back();
   filter_->restore(memories_.back());
   const auto since =
       std::ranges::upper_bound(samples_, memories_.back().belief.state.time, {}, &ImuSample::time);

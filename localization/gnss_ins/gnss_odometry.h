@@ -70,7 +70,8 @@ class GnssOdometry {
   void watch_rest(const ImuSample& sample);
   void restart();
   void forget_old();
-  AidStatus take(const GnssAid& aid);
+  /// Takes a message, and with it what is true of a time before.
+  AidStatus take(const GnssAid& aid, const std::optional<GnssVelocity>& earlier = std::nullopt);
   /// Aids after `from`, up to and with `to`.
   [[nodiscard]] std::vector<GnssAid> aids_between(Stamp from, Stamp to) const;
 

@@ -10,6 +10,7 @@ void GnssNoiseConfig::describe(Parameters& p) {
   p.number("position_floor_m", position_floor_m, {0.0, 1000.0});
   p.number("velocity_scale", velocity_scale, {0.01, 1000.0});
   p.number("velocity_floor_m_s", velocity_floor_m_s, {0.0, 100.0});
+  p.number("velocity_delay_s", velocity_delay_s, {0.0, 1.0});
   p.number("time_sigma_s", time_sigma_s, {0.0, 1.0});
   p.number("position_correlation_s", position_correlation_s, {0.0, 3600.0});
   p.number("velocity_correlation_s", velocity_correlation_s, {0.0, 3600.0});

@@ -15,6 +15,9 @@ struct GnssNoiseConfig {
   double position_floor_m = 0.05;
   double velocity_scale = 2.0;
   double velocity_floor_m_s = 0.03;
+  /// From the time that a fix's velocity is true of to the fix's own: half an epoch where the
+  /// receiver takes it from the way between two positions or phases, 0 where from Doppler shifts.
+  double velocity_delay_s = 0.0;
   /// How well the clocks of IMU and GNSS agree: the position is uncertain by this times the
   /// velocity, the velocity by this times the acceleration.
   double time_sigma_s = 0.005;
