@@ -26,11 +26,12 @@ Vector6d unknown_variances() {
   return variances;
 }
 
-/// Rotation in units of the points' distance, so that all six are lengths.
+/// Rotation in units of half the points' rms distance, so that all six are lengths: walls hold a
+/// roll by their own distance, which is less than that of the farthest points.
 Vector6d length_units(double range2_m2, double matched) {
   const double range_m = std::sqrt(std::max(range2_m2 / std::max(matched, 1.0), 1e-6));
   Vector6d units;
-  units << Vector3d::Ones(), Vector3d::Constant(range_m);
+  units << Vector3d::Ones(), Vector3d::Constant(0.5 * range_m);
   return units;
 }
 

@@ -31,8 +31,8 @@ void judge_information(const InformationSums& sums, const Vector6d& last_step,
                        const AlignmentConfig& config, Alignment& alignment);
 
 /// The part of `step` that lies in directions with information: those eigenvectors of `held`
-/// (rotation scaled to the points' distance) whose eigenvalue is at least `information_min` a
-/// point (Zhang et al. 2016).
+/// (rotation in units of half the points' rms distance) whose eigenvalue is at least
+/// `information_min` a point (Zhang et al. 2016).
 [[nodiscard]] Vector6d without_degenerate(const Vector6d& step, const Matrix6d& held,
                                           double range2_m2, double matched, double information_min);
 

@@ -5,9 +5,10 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
+#include <utility>
 
 #include "localization/icp/map_registration.h"
 
@@ -21,9 +22,13 @@ constexpr int kFull = 4;
 constexpr std::size_t kPointsMin = 30;
 /// Peaks are picked among so many of the best places.
 constexpr std::size_t kPeakPool = 20'000;
+/// Cells beside each other that are scored in one go: a vector register's.
+constexpr int kLanes = 16;
+/// So many of `kFull` fit into a byte.
+constexpr std::size_t kBatch = 255 / kFull;
 
-/// Cells about the search's centre with `kFull` where the map has a surface, less beside it. Its
-/// outermost layers are empty. Local frame of the map.
+/// Cells about the search's centre with `kFull` where the map has a surface, less beside it, in
+/// layers of one height. Its outermost cells are empty. Local frame of the map.
 class Volume {
  public:
   Volume(const LocalMap& map, const Vector3d& center, double half_width_m, double cell_m)
@@ -44,36 +49,39 @@ class Volume {
     bottom_m_ = low - 2.0 * cell_m;
     heights_ = static_cast<int>((high - bottom_m_) / cell_m) + 3;
     const auto side = static_cast<std::size_t>(columns());
-    cells_.assign(side * side * static_cast<std::size_t>(heights_), 0);
+    cells_.assign(side * side * static_cast<std::size_t>(heights_) + kLanes, 0);
     map.for_each(0, [&](const Vector3d& mean, const Surfel&) {
       if (within(mean)) fill_about(mean);
     });
   }
 
-  [[nodiscard]] int columns() const { return 2 * half_ + 1; }
-  /// Index of the lowest cell `x` east and `y` north of the centre's.
-  [[nodiscard]] std::int64_t base(int x, int y) const {
-    return (static_cast<std::int64_t>(y + half_) * columns() + x + half_) * heights_;
+  /// The cell of the lowest layer `x` east and `y` north of the centre's, and those east of it;
+  /// `shift` from there is a cell too while it stays within the half width.
+  [[nodiscard]] const std::uint8_t* at(int x, int y) const {
+    return &cells_[static_cast<std::size_t>(index(x + half_, y + half_, 0))];
   }
   /// Difference of index for a shift.
-  [[nodiscard]] std::int64_t shift(int x, int y) const {
-    return (static_cast<std::int64_t>(y) * columns() + x) * heights_;
-  }
-  [[nodiscard]] int height_index(float z_above_bottom_cells) const {
-    return std::clamp(static_cast<int>(z_above_bottom_cells), 0, heights_ - 1);
+  [[nodiscard]] std::int64_t shift(int x, int y, int layer) const { return index(x, y, layer); }
+  /// Of a height above the lowest layer; beyond all it is the nearest.
+  [[nodiscard]] int layer(double cells_above_bottom) const {
+    return static_cast<int>(std::clamp(std::floor(cells_above_bottom), 0.0, heights_ - 1.0));
   }
   [[nodiscard]] double bottom_m() const { return bottom_m_; }
-  [[nodiscard]] int at(std::int64_t index) const { return cells_[static_cast<std::size_t>(index)]; }
 
  private:
+  [[nodiscard]] int columns() const { return 2 * half_ + 1; }
+  [[nodiscard]] std::int64_t index(int x, int y, int layer) const {
+    return (static_cast<std::int64_t>(layer) * columns() + y) * columns() + x;
+  }
+
   void fill_about(const Vector3d& mean) {
-    const int x = static_cast<int>((mean.x() - corner_.x()) / cell_m_) - half_;
-    const int y = static_cast<int>((mean.y() - corner_.y()) / cell_m_) - half_;
+    const int x = static_cast<int>((mean.x() - corner_.x()) / cell_m_);
+    const int y = static_cast<int>((mean.y() - corner_.y()) / cell_m_);
     const int z = static_cast<int>((mean.z() - bottom_m_) / cell_m_);
-    for (int j = -1; j <= 1; ++j) {
-      for (int i = -1; i <= 1; ++i) {
-        for (int k = -1; k <= 1; ++k) {
-          std::uint8_t& cell = cells_[static_cast<std::size_t>(base(x + i, y + j) + z + k)];
+    for (int k = -1; k <= 1; ++k) {
+      for (int j = -1; j <= 1; ++j) {
+        for (int i = -1; i <= 1; ++i) {
+          std::uint8_t& cell = cells_[static_cast<std::size_t>(index(x + i, y + j, z + k))];
           const int steps = std::abs(i) + std::abs(j) + std::abs(k);
           cell = std::max(cell, static_cast<std::uint8_t>(kFull >> steps));
         }
@@ -129,11 +137,105 @@ std::vector<Vector3f> pick(std::span<const Vector3f> points, const CandidateSear
   return picked;
 }
 
-/// A point turned by a heading.
-struct Spot {
-  std::int64_t shift;
-  float height_cells;
+/// Up to `kLanes` places beside each other whose ground has one height.
+struct Strip {
+  std::size_t first;
+  int count;
+  const std::uint8_t* cells;
+  /// Index of the ground's height, by half cells.
+  std::size_t ground;
 };
+
+struct Strips {
+  std::vector<Strip> strips;
+  /// Of the lowest ground, and the number of heights.
+  int lowest = 0;
+  std::size_t grounds = 0;
+};
+
+Strips strips_of(std::span<const Place> places, const Volume& volume, double cell_m) {
+  std::vector<int> grounds;
+  for (const Place& place : places) {
+    grounds.push_back(
+        static_cast<int>(std::lround(2.0 * (place.ground_m - volume.bottom_m()) / cell_m)));
+  }
+  const auto [low, high] = std::ranges::minmax(grounds);
+  Strips made{.strips = {}, .lowest = low, .grounds = static_cast<std::size_t>(high - low) + 1};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto ground = static_cast<std::size_t>(grounds[i] - low);
+    if (!made.strips.empty()) {
+      Strip& last = made.strips.back();
+      const Place& first = places[last.first];
+      if (last.ground == ground && last.count < kLanes && places[i].y == first.y &&
+          places[i].x == first.x + last.count) {
+        ++last.count;
+        continue;
+      }
+    }
+    made.strips.push_back({i, 1, volume.at(places[i].x, places[i].y), ground});
+  }
+  return made;
+}
+
+/// Of every heading (outer) and place.
+std::vector<std::uint16_t> score_all(const Volume& volume, std::span<const Place> places,
+                                     std::span<const Vector3f> points,
+                                     std::span<const double> turns, double cell_m) {
+  const Strips strips = strips_of(places, volume, cell_m);
+  std::vector<std::uint16_t> scores(turns.size() * places.size());
+  tbb::parallel_for(std::size_t{0}, turns.size(), [&](std::size_t turn) {
+    const Eigen::Rotation2Dd rotation(turns[turn]);
+    std::vector<std::int64_t> shifts;
+    shifts.reserve(strips.grounds * points.size());
+    for (std::size_t ground = 0; ground < strips.grounds; ++ground) {
+      const double ground_cells = 0.5 * (strips.lowest + static_cast<int>(ground));
+      for (const Vector3f& p : points) {
+        const Vector3d in_cells = p.cast<double>() / cell_m;
+        const Eigen::Vector2d turned = rotation * in_cells.head<2>();
+        shifts.push_back(volume.shift(static_cast<int>(std::lround(turned.x())),
+                                      static_cast<int>(std::lround(turned.y())),
+                                      volume.layer(in_cells.z() + ground_cells)));
+      }
+    }
+    for (const Strip& strip : strips.strips) {
+      const std::span<const std::int64_t> of_ground =
+          std::span(shifts).subspan(strip.ground * points.size(), points.size());
+      std::array<std::uint16_t, kLanes> sums{};
+      for (std::size_t from = 0; from < of_ground.size(); from += kBatch) {
+        std::array<std::uint8_t, kLanes> part{};
+        for (const std::int64_t shift :
+             of_ground.subspan(from, std::min(kBatch, of_ground.size() - from))) {
+          const std::uint8_t* const cells = strip.cells + shift;
+          for (std::size_t i = 0; i < kLanes; ++i) {
+            part[i] = static_cast<std::uint8_t>(part[i] + cells[i]);
+          }
+        }
+        for (std::size_t i = 0; i < kLanes; ++i) {
+          sums[i] = static_cast<std::uint16_t>(sums[i] + part[i]);
+        }
+      }
+      std::copy_n(sums.begin(), strip.count,
+                  scores.begin() + static_cast<std::ptrdiff_t>(turn * places.size() + strip.first));
+    }
+  });
+  return scores;
+}
+
+/// Indices of the `count` highest, the highest first; of equal ones the first first.
+std::vector<std::uint32_t> highest(std::span<const std::uint16_t> scores, std::size_t count) {
+  const std::size_t most = std::ranges::max(scores);
+  std::vector<std::size_t> starts(most + 2, 0);
+  // Of a score: how many have it, then how many have more.
+  for (const std::uint16_t score : scores) ++starts[score];
+  std::size_t more = 0;
+  for (std::size_t score = most + 1; score-- > 0;) more += std::exchange(starts[score], more);
+  std::vector<std::uint32_t> order(std::min(count, scores.size()));
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const std::size_t at = starts[scores[i]]++;
+    if (at < order.size()) order[at] = static_cast<std::uint32_t>(i);
+  }
+  return order;
+}
 
 std::vector<double> turns_of(const SearchArea& area, double step_rad) {
   std::vector<double> turns;
@@ -190,46 +292,14 @@ std::vector<Candidate> find_candidates(const LocalMap& map, std::span<const Vect
                       config.cell_m);
 
   const std::vector<double> turns = turns_of(area, config.heading_step_rad);
-  std::vector<std::uint16_t> scores(turns.size() * places.size());
-  const auto per_meter = static_cast<float>(1.0 / config.cell_m);
-  tbb::parallel_for(std::size_t{0}, turns.size(), [&](std::size_t turn) {
-    const Eigen::Rotation2Df rotation(static_cast<float>(turns[turn]));
-    std::vector<Spot> spots;
-    for (const Vector3f& p : few) {
-      const Eigen::Vector2f turned = rotation * p.head<2>() * per_meter;
-      spots.push_back({volume.shift(static_cast<int>(std::lround(turned.x())),
-                                    static_cast<int>(std::lround(turned.y()))),
-                       p.z() * per_meter});
-    }
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const std::int64_t base = volume.base(places[i].x, places[i].y);
-      const auto ground_cells =
-          static_cast<float>((places[i].ground_m - volume.bottom_m()) / config.cell_m);
-      int sum = 0;
-      for (const Spot& spot : spots) {
-        sum += volume.at(base + spot.shift + volume.height_index(spot.height_cells + ground_cells));
-      }
-      scores[turn * places.size() + i] = static_cast<std::uint16_t>(sum);
-    }
-  });
-
-  std::vector<std::uint32_t> order(scores.size());
-  std::iota(order.begin(), order.end(), 0U);
-  const auto better = [&](std::uint32_t a, std::uint32_t b) {
-    return std::pair(scores[b], a) < std::pair(scores[a], b);
-  };
-  const std::size_t pool = std::min(order.size(), kPeakPool);
-  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(pool) - 1,
-                   order.end(), better);
-  order.resize(pool);
-  std::ranges::sort(order, better);
+  const std::vector<std::uint16_t> scores = score_all(volume, places, few, turns, config.cell_m);
   struct Peak {
     Eigen::Vector2d offset;
     double turn_rad;
   };
   std::vector<Peak> peaks;
   std::vector<Candidate> candidates;
-  for (const std::uint32_t index : order) {
+  for (const std::uint32_t index : highest(scores, kPeakPool)) {
     if (candidates.size() == static_cast<std::size_t>(config.candidates_max)) break;
     const Place& place = places[index % places.size()];
     const double turn = turns[index / places.size()];

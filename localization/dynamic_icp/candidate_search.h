@@ -32,7 +32,7 @@ struct CandidateSearchConfig {
   int points = 250;
   double above_ground_m = 1.5;
   /// The best so many are kept, at least this far apart or turned.
-  int candidates_max = 150;
+  int candidates_max = 60;
   double apart_m = 2.0;
   double apart_rad = 9.0 * std::numbers::pi / 180.0;
 

@@ -173,11 +173,13 @@ DynamicIcpResult DynamicIcp::relocalize(std::span<const Vector3f> points, const 
       }
       // Line 11: E(T_k) < Error Tolerance. Lines 12–13: T_k and p_k are the alignment's.
       if (found.best && is_within_tolerance(result.alignment)) {
-        search_growth_ = std::max(1.0, search_growth_ / config_.growth);
-        const bool is_alone =
-            result.rival_ratio >= config_.rival_cost_ratio && !result.alignment.degenerate;
-        result.status = is_alone ? DynamicIcpStatus::converged : DynamicIcpStatus::ambiguous;
-        return result;
+        if (result.rival_ratio >= config_.rival_cost_ratio && !result.alignment.degenerate) {
+          search_growth_ = std::max(1.0, search_growth_ / config_.growth);
+          result.status = DynamicIcpStatus::converged;
+          return result;
+        }
+        // Aliases among themselves: a wider look may hold what fits better than all of them.
+        result.status = DynamicIcpStatus::ambiguous;
       }
     }
     const bool is_widest =

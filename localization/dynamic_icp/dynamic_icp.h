@@ -96,6 +96,9 @@ class DynamicIcp {
   [[nodiscard]] DynamicIcpResult track(std::span<const Vector3f> points, const Pose& prediction,
                                        double position_sigma_m = 0.0);
 
+  /// As if newly made, but for what the local map holds.
+  void start_anew() { search_growth_ = track_growth_ = 1.0; }
+
   [[nodiscard]] const LocalMap& local_map() const { return map_; }
   /// How many times as far as configured the next call looks at first: grows with tries that
   /// failed, shrinks with those that converged.

@@ -112,8 +112,32 @@ DynamicIcpLocalizer::DynamicIcpLocalizer(const LocalizerInputs& inputs,
       gnss_velocities_(duration_from_seconds(config.fusion.blend.velocity_hold_s),
                        std::chrono::seconds(60)) {}
 
+bool DynamicIcpLocalizer::belongs(const ImuSample& sample) {
+  const bool fits = !newest_sample_ || (sample.time > *newest_sample_ &&
+                                        sample.time - *newest_sample_ <= kClockBroken);
+  if (!fits && ++strange_in_row_ < rig_.imu_rate_hz) return false;
+  if (!fits) restart();
+  strange_in_row_ = 0;
+  newest_sample_ = sample.time;
+  return true;
+}
+
+void DynamicIcpLocalizer::restart() {
+  gnss_odometry_ = GnssOdometry(rig_, frame_.origin(), config_.gnss_odometry);
+  guess_ = InitialGuess(rig_, frame_.origin());
+  inertial_.reset();
+  judge_ = Judge(config_.judge);
+  join_.clear();
+  joined_.reset();
+  gnss_velocities_.clear();
+  last_fix_.reset();
+  last_scan_.reset();
+  last_search_.reset();
+  searches_ = 0;
+}
+
 void DynamicIcpLocalizer::add(const ImuSample& sample) {
-  if (!is_usable(sample)) return;
+  if (!is_usable(sample) || !belongs(sample)) return;
   gnss_odometry_.add(sample);
   guess_.add(sample);
   if (!inertial_) {
@@ -169,6 +193,7 @@ void DynamicIcpLocalizer::start() {
 }
 
 void DynamicIcpLocalizer::step_judge() {
+  if (!config_.judging) return;
   if (judge_.step(inertial_->time(), inertial_->sigma_horizontal_m())) {
     // Whatever was believed, it was wrong.
     inertial_->inflate_pose(2.0, 3.0 * kDegree);
@@ -194,6 +219,8 @@ void DynamicIcpLocalizer::add(const LidarScan& scan) {
   if (scan.points.empty() || scan.end - scan.start > kScanMax) return;
   if (scan.end > inertial_->time() + kImuLate && scan.end < inertial_->time() + kClockBroken) {
     inertial_->coast(scan.end);
+    // Before the scan makes it sure again: what it may be sure of must have been found.
+    step_judge();
   }
   if (!can_place(scan)) return;
   last_scan_ = scan.end;
@@ -273,7 +300,8 @@ void DynamicIcpLocalizer::track(std::span<const Vector3f> points, Stamp time) {
   done("align");
   const Alignment& alignment = last_result_.alignment;
   const Matrix6d known = inertial_->filter().vehicle_estimate().covariance;
-  last_verdict_ = judge_.examine(alignment, prediction, known);
+  last_verdict_ =
+      judge_.examine(alignment, prediction, known, to_seconds(time - judge_.last_good()));
   last_verdict_.converged &= last_result_.status == DynamicIcpStatus::converged;
   const bool believed =
       config_.judging ? last_verdict_.good() : alignment.status == AlignmentStatus::converged;

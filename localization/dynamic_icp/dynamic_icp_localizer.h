@@ -72,6 +72,10 @@ class DynamicIcpLocalizer final : public Localizer {
 
  private:
   void start();
+  /// False for a sample that is not newer, or newer by more than clocks may; a second's worth of
+  /// such in a row is a clock that was set, and all begins anew.
+  [[nodiscard]] bool belongs(const ImuSample& sample);
+  void restart();
   void step_judge();
   [[nodiscard]] bool can_place(const LidarScan& scan) const;
   [[nodiscard]] std::optional<GnssGuess> guess(Stamp time) const;
@@ -97,6 +101,8 @@ class DynamicIcpLocalizer final : public Localizer {
   GnssVelocityTrack gnss_velocities_;
   std::function<void(std::string_view)> observer_;
 
+  std::optional<Stamp> newest_sample_;
+  int strange_in_row_ = 0;
   std::optional<GnssFix> last_fix_;
   std::optional<Stamp> last_scan_;
   std::optional<Stamp> last_search_;

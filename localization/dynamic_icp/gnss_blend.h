@@ -14,10 +14,10 @@ namespace locsim::localization {
 /// GNSS adds to the error is its own times 1 − α, or 1 − β.
 struct GnssBlendConfig {
   /// Weight of LIDAR and IMU against the GNSS-based odometry. Where both are healthy they know the
-  /// position to some 5 cm and a receiver to 1-2 m, in a way that lasts for minutes: with 0.995 the
-  /// receiver adds 5-10 mm, at the largest A 15 mm, and one that errs by 10 m unknowingly 5 cm.
-  /// (The least variance would have σ_l²/(σ_l² + σ_g²) = 0.1 % for GNSS.)
-  double alpha = 0.995;
+  /// position to some 5 cm and a receiver to 1-2 m, in a way that lasts for minutes: the least
+  /// variance has σ_l²/(σ_l² + σ_g²) = 0.1 % for GNSS. The receiver then adds 1-3 mm, and one that
+  /// errs by 10 m unknowingly 1 cm.
+  double alpha = 0.999;
   /// Weight of their motion against the integral of GNSS velocity. A step of 0.1 s is known to
   /// 1-2 cm by LIDAR, to 1-5 cm by 0.1-0.5 m/s.
   double beta = 0.9;

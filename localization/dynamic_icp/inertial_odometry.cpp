@@ -74,6 +74,13 @@ InertialOdometry::InertialOdometry(const Rig& rig, const LocalFrame& frame,
   velocities_.push_back({start.state.time, start.state.velocity_m_s});
 }
 
+void InertialOdometry::follow_correction() {
+  const Vector3d by = filter_.state().velocity_m_s - velocities_.back().velocity_m_s;
+  for (VelocityKnot& knot : velocities_) knot.velocity_m_s += by;
+  motion_.move_newest_to(filter_.T_map_vehicle());
+  begin_anew();
+}
+
 void InertialOdometry::begin_anew() {
   anchor_ = filter_.state();
   increments_.reset(anchor_.time, anchor_.gyro_bias_rad_s, anchor_.accel_bias_m_s2);
@@ -126,8 +133,7 @@ void InertialOdometry::constrain(Stamp time) {
   static_cast<void>(
       filter_.update_along_x(non_holonomic_covariance_m2_s2(silence.car, speed, rate), kGate2,
                              correlated_weight(elapsed_s, silence.car.correlation_s)));
-  motion_.move_newest_to(filter_.T_map_vehicle());
-  begin_anew();
+  follow_correction();
 }
 
 Vector3d InertialOdometry::velocity_gained_since(Stamp time) const {
@@ -178,8 +184,7 @@ void InertialOdometry::add(const GnssFix& fix) {
       }
     }
   }
-  motion_.move_newest_to(filter_.T_map_vehicle());
-  begin_anew();
+  follow_correction();
 }
 
 double InertialOdometry::sigma_horizontal_m() const {
@@ -205,8 +210,7 @@ void InertialOdometry::correct(const Pose& T_map_vehicle, Stamp time, const Matr
   }
   last_lidar_ = T_map_vehicle;
   last_lidar_time_ = time;
-  motion_.move_newest_to(filter_.T_map_vehicle());
-  begin_anew();
+  follow_correction();
 }
 
 void InertialOdometry::place(const Pose& T_map_vehicle, Stamp time, const Matrix6d& covariance) {

@@ -89,6 +89,9 @@ class InertialOdometry {
   /// Of the filter's time, from one of `time`.
   [[nodiscard]] Pose carried_on(const Pose& T_map_vehicle, Stamp time) const;
   void begin_anew();
+  /// What is kept of the last second moves with the newest belief, so that only what the IMU
+  /// measured remains in its differences.
+  void follow_correction();
 
   Rig rig_;
   LocalFrame frame_;

@@ -13,6 +13,8 @@ void JudgeConfig::describe(Parameters& p) {
   p.number("imu_gate", imu_gate, kPositive);
   p.number("imu_sigma_m", imu_sigma_m, {0.0, 10.0});
   p.degrees("imu_sigma_deg", imu_sigma_rad, {0.0, 45.0});
+  p.number("imu_drift_m_s", imu_drift_m_s, {0.0, 100.0});
+  p.degrees("imu_drift_deg_s", imu_drift_rad_s, {0.0, 45.0});
   p.number("gnss_gate", gnss_gate, kPositive);
   p.number("gnss_scale", gnss_scale, {0.1, 100.0});
   p.number("gnss_floor_m", gnss_floor_m, {0.01, 100.0});
@@ -28,7 +30,7 @@ void JudgeConfig::describe(Parameters& p) {
 }
 
 Verdict Judge::examine(const Alignment& alignment, const Pose& prediction,
-                       const Matrix6d& prediction_covariance) const {
+                       const Matrix6d& prediction_covariance, double silent_s) const {
   Verdict verdict;
   verdict.converged = alignment.status == AlignmentStatus::converged;
   verdict.overlaps =
@@ -38,10 +40,14 @@ Verdict Judge::examine(const Alignment& alignment, const Pose& prediction,
 
   const Vector6d off = se3::log(prediction.inverse() * alignment.T_map_vehicle);
   Matrix6d S = prediction_covariance + alignment.covariance;
-  S.diagonal().head<3>().array() += config_.imu_sigma_m * config_.imu_sigma_m;
-  S.diagonal().tail<3>().array() += config_.imu_sigma_rad * config_.imu_sigma_rad;
-  verdict.imu_d2 = off.dot(S.ldlt().solve(off));
-  verdict.agrees_with_imu = verdict.imu_d2 <= config_.imu_gate;
+  const double sigma_m = config_.imu_sigma_m + config_.imu_drift_m_s * silent_s;
+  const double sigma_rad = config_.imu_sigma_rad + config_.imu_drift_rad_s * silent_s;
+  S.diagonal().head<3>().array() += sigma_m * sigma_m;
+  S.diagonal().tail<3>().array() += sigma_rad * sigma_rad;
+  // LLT, not LDLT, which takes a pivot that is not a number for one of zero.
+  const Eigen::LLT<Matrix6d> factor(S);
+  verdict.imu_d2 = off.dot(factor.solve(off));
+  verdict.agrees_with_imu = factor.info() == Eigen::Success && verdict.imu_d2 <= config_.imu_gate;
   return verdict;
 }
 
@@ -74,7 +80,9 @@ void Judge::on_fix(const Vector3d& fix_in_map_m, const Matrix3d& fix_covariance_
       config_.gnss_scale * config_.gnss_scale * fix_covariance_m2.topLeftCorner<2, 2>() +
       covariance_m2;
   S.diagonal().array() += config_.gnss_floor_m * config_.gnss_floor_m;
-  const bool agrees = off.dot(S.ldlt().solve(off)) <= config_.gnss_gate;
+  const Eigen::LLT<Eigen::Matrix2d> factor(S);
+  if (factor.info() != Eigen::Success) return;
+  const bool agrees = off.dot(factor.solve(off)) <= config_.gnss_gate;
   fixes_off_ = std::clamp(fixes_off_ + (agrees ? -1 : 1), 0, config_.gnss_fixes);
   if (fixes_off_ == 0) doubts_ = false;
   const bool deaf = acquitted_ && to_seconds(time - *acquitted_) < config_.acquitted_s;
@@ -119,6 +127,8 @@ bool Judge::step(Stamp now, double sigma_horizontal_m) {
         return true;
       }
       if (!in_touch || !well_known) {
+        // The good ones from before the trouble do not speak for what comes after it.
+        if (state_ == State::tracking) good_in_row_ = 0;
         state_ = State::degraded;
       } else if (good_in_row_ >= config_.recover_scans) {
         state_ = State::tracking;

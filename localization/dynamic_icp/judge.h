@@ -18,6 +18,10 @@ struct JudgeConfig {
   double imu_gate = 22.46;
   double imu_sigma_m = 0.05;
   double imu_sigma_rad = 0.003;
+  /// … and these for each second without a good registration: scale errors of an IMU, which its
+  /// noise densities do not tell.
+  double imu_drift_m_s = 0.1;
+  double imu_drift_rad_s = 0.002;
   /// Disagreement with GNSS: d² of the horizontal position, two degrees of freedom, with claimed
   /// sigmas times `gnss_scale` and a floor. 18.42 is χ² at 99.99 %.
   double gnss_gate = 18.42;
@@ -32,7 +36,7 @@ struct JudgeConfig {
   /// Registrations in a row: bad ones that end tracking, and make lost; good ones that make a pose
   /// found by a search trusted, and one in trouble again.
   int degraded_scans = 1;
-  int lost_scans = 10;
+  int lost_scans = 5;
   int confirm_scans = 5;
   int recover_scans = 3;
   /// Without any good one for so long: degraded.
@@ -66,9 +70,9 @@ class Judge {
   explicit Judge(const JudgeConfig& config) : config_(config) {}
 
   /// A registration beside the prediction that it began from, whose covariance is a right
-  /// perturbation.
+  /// perturbation, `silent_s` after the last good one.
   [[nodiscard]] Verdict examine(const Alignment& alignment, const Pose& prediction,
-                                const Matrix6d& prediction_covariance) const;
+                                const Matrix6d& prediction_covariance, double silent_s = 0.0) const;
 
   /// A search has found a pose; it is not trusted yet.
   void on_found(Stamp time);
@@ -89,6 +93,7 @@ class Judge {
   bool step(Stamp now, double sigma_horizontal_m);
 
   [[nodiscard]] State state() const { return state_; }
+  [[nodiscard]] Stamp last_good() const { return last_good_; }
   /// True until a search has found a pose, and again once that is lost.
   [[nodiscard]] bool needs_search() const { return !found_; }
 

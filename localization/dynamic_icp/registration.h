@@ -30,7 +30,7 @@ struct AlignmentConfig {
   double overlap_distance_m = 0.3;
   /// Directions with less information a point are not updated (Zhang et al. 2016) and make the
   /// result `degenerate`; see `Alignment::translation_information`.
-  double information_min = 0.003;
+  double information_min = 0.01;
 
   /// For the covariance. Noise of a point and the surface it meets, at least.
   double sigma_min_m = 0.02;
@@ -72,8 +72,8 @@ struct Alignment {
   double residual_m = 0.0;
 
   /// Eigenvalues of the information a matched point brings, ascending, translation and rotation
-  /// apart, each with the other marginalised: 0 where nothing is held, 1/3 each where surfaces face
-  /// all ways evenly. Rotation is in units of the points' root mean square distance.
+  /// apart, each with the other marginalised: 0 where nothing is held, 1/3 each of translation
+  /// where surfaces face all ways evenly. Rotation is in units of half the points' rms distance.
   Vector3d translation_information = Vector3d::Zero();
   Vector3d rotation_information = Vector3d::Zero();
   /// Of the least translation information, vehicle frame.

@@ -39,67 +39,6 @@ struct Cell {
   Moments moments;
 };
 
-/// Cells in columns of a square with a border of one column all around.
-struct CellColumns {
-  int columns_a_side;
-  std::vector<std::size_t> starts;
-  std::vector<Cell> cells;
-
-  CellColumns(std::span<const Vector3f> points, int inner_columns, double cell_m)
-      : columns_a_side(inner_columns + 2) {
-    const auto per_meter = static_cast<float>(1.0 / cell_m);
-    const auto column_of = [&](const Vector3f& p) {
-      const int x = static_cast<int>(std::floor(p.x() * per_meter)) + 1;
-      const int y = static_cast<int>(std::floor(p.y() * per_meter)) + 1;
-      const bool inside = x >= 0 && y >= 0 && x < columns_a_side && y < columns_a_side;
-      return inside ? y * columns_a_side + x : -1;
-    };
-    // Counting sort by column, then by height within each.
-    const auto count = static_cast<std::size_t>(columns_a_side * columns_a_side);
-    std::vector<std::size_t> ends(count + 1, 0);
-    for (const Vector3f& p : points) {
-      if (const int c = column_of(p); c >= 0) ++ends[static_cast<std::size_t>(c) + 1];
-    }
-    for (std::size_t c = 0; c < count; ++c) ends[c + 1] += ends[c];
-    std::vector<Vector3f> sorted(ends.back());
-    std::vector<std::size_t> next(ends.begin(), ends.end() - 1);
-    for (const Vector3f& p : points) {
-      if (const int c = column_of(p); c >= 0) sorted[next[static_cast<std::size_t>(c)]++] = p;
-    }
-    starts.push_back(0);
-    for (std::size_t c = 0; c < count; ++c) {
-      const std::span<Vector3f> column(sorted.data() + ends[c], sorted.data() + ends[c + 1]);
-      std::ranges::stable_sort(column, {}, [](const Vector3f& p) { return p.z(); });
-      for (const Vector3f& p : column) {
-        const int height = static_cast<int>(std::floor(p.z() * per_meter));
-        if (cells.size() == starts.back() || cells.back().height != height) {
-          cells.push_back({height, {}});
-        }
-        cells.back().moments.add(p.cast<double>());
-      }
-      starts.push_back(cells.size());
-    }
-  }
-
-  [[nodiscard]] std::span<const Cell> column(int x, int y) const {
-    const auto index = static_cast<std::size_t>((y + 1) * columns_a_side + x + 1);
-    return {cells.data() + starts[index], cells.data() + starts[index + 1]};
-  }
-
-  [[nodiscard]] Moments around(int x, int y, int height) const {
-    Moments moments;
-    for (int j = y - 1; j <= y + 1; ++j) {
-      for (int i = x - 1; i <= x + 1; ++i) {
-        for (const Cell& cell : column(i, j)) {
-          if (cell.height > height + 1) break;
-          if (cell.height >= height - 1) moments.add(cell.moments);
-        }
-      }
-    }
-    return moments;
-  }
-};
-
 Surfel make_surfel(const Moments& own, const Moments& around) {
   const Vector3d mean = own.sum / own.count;
   Surfel surfel{mean.cast<float>()};
@@ -125,15 +64,103 @@ Surfel make_surfel(const Moments& own, const Moments& around) {
 
 }  // namespace
 
-SurfelTable::SurfelTable(std::span<const Vector3f> points, int columns_a_side, double cell_m,
-                         bool with_neighbours)
-    : columns_a_side_(columns_a_side) {
-  const CellColumns columns(points, columns_a_side, cell_m);
-  starts_.reserve(static_cast<std::size_t>(columns_a_side * columns_a_side) + 1);
+/// Cells in columns of a square with a border of one column all around.
+struct CellColumns {
+  int columns_a_side = 0;
+  std::vector<std::size_t> starts{0};
+  std::vector<Cell> cells;
+
+  CellColumns() = default;
+  CellColumns(std::span<const Vector3f> points, int inner_columns, double cell_m)
+      : columns_a_side(inner_columns + 2) {
+    const auto per_meter = static_cast<float>(1.0 / cell_m);
+    const auto column_of = [&](const Vector3f& p) {
+      const int x = static_cast<int>(std::floor(p.x() * per_meter)) + 1;
+      const int y = static_cast<int>(std::floor(p.y() * per_meter)) + 1;
+      const bool inside = x >= 0 && y >= 0 && x < columns_a_side && y < columns_a_side;
+      return inside ? y * columns_a_side + x : -1;
+    };
+    // Counting sort by column, then by height within each.
+    const auto count = static_cast<std::size_t>(columns_a_side * columns_a_side);
+    std::vector<int> columns(points.size());
+    std::vector<std::size_t> ends(count + 1, 0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      columns[i] = column_of(points[i]);
+      if (columns[i] >= 0) ++ends[static_cast<std::size_t>(columns[i]) + 1];
+    }
+    for (std::size_t c = 0; c < count; ++c) ends[c + 1] += ends[c];
+    std::vector<Vector3f> sorted(ends.back());
+    std::vector<std::size_t> next(ends.begin(), ends.end() - 1);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (columns[i] >= 0) sorted[next[static_cast<std::size_t>(columns[i])]++] = points[i];
+    }
+    for (std::size_t c = 0; c < count; ++c) {
+      const std::span<Vector3f> column(sorted.data() + ends[c], sorted.data() + ends[c + 1]);
+      std::ranges::sort(column, {}, [](const Vector3f& p) { return p.z(); });
+      for (const Vector3f& p : column) {
+        at(static_cast<int>(std::floor(p.z() * per_meter))).add(p.cast<double>());
+      }
+      starts.push_back(cells.size());
+    }
+  }
+
+  /// Cells twice as large, each of the moments of eight; the border stays empty.
+  [[nodiscard]] CellColumns coarser() const {
+    CellColumns coarse;
+    const int inner = (columns_a_side - 2) / 2;
+    coarse.columns_a_side = inner + 2;
+    std::vector<Cell> under;
+    for (int y = -1; y <= inner; ++y) {
+      for (int x = -1; x <= inner; ++x) {
+        under.clear();
+        const bool is_border = x < 0 || y < 0 || x == inner || y == inner;
+        for (int part = 0; part < 4 && !is_border; ++part) {
+          const std::span<const Cell> quarter = column(2 * x + (part & 1), 2 * y + (part >> 1));
+          under.insert(under.end(), quarter.begin(), quarter.end());
+        }
+        std::ranges::stable_sort(under, {}, &Cell::height);
+        for (const Cell& cell : under) coarse.at(cell.height >> 1).add(cell.moments);
+        coarse.starts.push_back(coarse.cells.size());
+      }
+    }
+    return coarse;
+  }
+
+  /// The cell of a height in the column that is being made; heights must not fall.
+  [[nodiscard]] Moments& at(int height) {
+    if (cells.size() == starts.back() || cells.back().height != height) {
+      cells.push_back({height, {}});
+    }
+    return cells.back().moments;
+  }
+
+  [[nodiscard]] std::span<const Cell> column(int x, int y) const {
+    const auto index = static_cast<std::size_t>((y + 1) * columns_a_side + x + 1);
+    return {cells.data() + starts[index], cells.data() + starts[index + 1]};
+  }
+
+  [[nodiscard]] Moments around(int x, int y, int height) const {
+    Moments moments;
+    for (int j = y - 1; j <= y + 1; ++j) {
+      for (int i = x - 1; i <= x + 1; ++i) {
+        const std::span<const Cell> cells_here = column(i, j);
+        auto cell = std::ranges::lower_bound(cells_here, height - 1, {}, &Cell::height);
+        for (; cell != cells_here.end() && cell->height <= height + 1; ++cell) {
+          moments.add(cell->moments);
+        }
+      }
+    }
+    return moments;
+  }
+};
+
+SurfelTable::SurfelTable(const CellColumns& columns, bool with_neighbours)
+    : columns_a_side_(columns.columns_a_side - 2) {
+  starts_.reserve(static_cast<std::size_t>(columns_a_side_ * columns_a_side_) + 1);
   starts_.push_back(0);
   surfels_.reserve(columns.cells.size());
-  for (int y = 0; y < columns_a_side; ++y) {
-    for (int x = 0; x < columns_a_side; ++x) {
+  for (int y = 0; y < columns_a_side_; ++y) {
+    for (int x = 0; x < columns_a_side_; ++x) {
       for (const Cell& cell : columns.column(x, y)) {
         surfels_.push_back(make_surfel(
             cell.moments, with_neighbours ? columns.around(x, y, cell.height) : cell.moments));
@@ -165,9 +192,11 @@ SurfelTile::SurfelTile(const maps::PriorMap& map, double voxel_m, std::int64_t c
       if (p.x() >= low && p.y() >= low && p.x() < high && p.y() < high) points.push_back(p);
     }
   }
-  for (int level = 0; level < kLevels; ++level) {
-    levels_[static_cast<std::size_t>(level)] =
-        SurfelTable(points, kColumns >> level, voxel_m * (1 << level), level == 0);
+  CellColumns columns(points, kColumns, voxel_m);
+  levels_[0] = SurfelTable(columns, true);
+  for (std::size_t level = 1; level < levels_.size(); ++level) {
+    columns = columns.coarser();
+    levels_[level] = SurfelTable(columns, false);
   }
 }
 

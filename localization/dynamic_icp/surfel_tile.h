@@ -30,15 +30,16 @@ struct Surfel {
   SurfelShape shape = SurfelShape::scattered;
 };
 
+/// The points of a square, summed up cell by cell.
+struct CellColumns;
+
 /// The surfels of a square in columns: no hash, a look-up is two shifts and a short search.
 class SurfelTable {
  public:
   SurfelTable() = default;
-  /// `columns_a_side` columns of `cell_m` from the corner at the origin. `points` may reach one
-  /// cell beyond the square: they help with the shapes at its border. With `with_neighbours` a
-  /// shape is fitted to 3 × 3 × 3 cells, otherwise to the cell alone.
-  SurfelTable(std::span<const Vector3f> points, int columns_a_side, double cell_m,
-              bool with_neighbours);
+  /// With `with_neighbours` a shape is fitted to 3 × 3 × 3 cells, those of the columns' border
+  /// among them, otherwise to the cell alone.
+  SurfelTable(const CellColumns& columns, bool with_neighbours);
 
   /// Sorted by height.
   [[nodiscard]] std::span<const Surfel> column(int x, int y) const {

@@ -1,5 +1,6 @@
 #include "localization/icp/initial_guess.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,6 +21,13 @@ constexpr double kStandstill_rad_s = 0.05;
 constexpr double kPositionSigmaMin_m = 2.0;
 constexpr double kHeadingSigmaMin_rad = 3.0 * kDegree;
 
+/// Finite, and no variance below zero in any direction, but for what rounding makes.
+bool is_covariance(const Matrix3d& m) {
+  if (!m.allFinite()) return false;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(m, Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()[0] >= -1e-9 * eigen.eigenvalues()[2] && eigen.eigenvalues()[2] >= 0.0;
+}
+
 }  // namespace
 
 InitialGuess::InitialGuess(const Rig& rig, const GeodeticPoint& map_origin)
@@ -29,8 +37,8 @@ bool is_usable(const GnssFix& fix) {
   return fix.valid && std::isfinite(fix.position.latitude_rad) &&
          std::abs(fix.position.latitude_rad) <= std::numbers::pi / 2 &&
          std::isfinite(fix.position.longitude_rad) && std::isfinite(fix.position.height_m) &&
-         fix.velocity_enu_m_s.allFinite() && fix.position_covariance_m2.allFinite() &&
-         fix.velocity_covariance_m2_s2.allFinite();
+         fix.velocity_enu_m_s.allFinite() && is_covariance(fix.position_covariance_m2) &&
+         is_covariance(fix.velocity_covariance_m2_s2);
 }
 
 void InitialGuess::add(const ImuSample& sample) {
@@ -45,6 +53,7 @@ void InitialGuess::add(const GnssFix& fix) {
 
 void InitialGuess::add(const MagneticHeading& heading) {
   if (!std::isfinite(heading.yaw_rad) || !std::isfinite(heading.sigma_rad)) return;
+  if (heading.sigma_rad < 0.0) return;
   if (!heading_ || heading.time > heading_->time) heading_ = heading;
 }
 

@@ -96,6 +96,29 @@ TEST(DynamicIcp, AbstainsWhereHousesRepeat) {
             DynamicIcpStatus::converged);
 }
 
+/// Seven metres of house, three of gap: whatever GNSS says, another place 10 m on looks the same,
+/// and without a heading so does the street the other way round.
+TEST(DynamicIcp, NeverBelievesOneOfManyEqualPlaces) {
+  const Street street = repeated_street();
+  const maps::PriorMap map(kOrigin, street.survey());
+  DynamicIcp icp(map, {});
+  const Drive drive{.start_x_m = -4.0};
+  const Pose truth = drive.pose(0.5);
+  const std::vector<Vector3f> points = standing_scan(street, drive);
+  for (const double off_m : {3.0, 14.0, 29.0}) {
+    for (const bool is_heading_known : {true, false}) {
+      std::optional<double> yaw_sigma_rad;
+      if (is_heading_known) yaw_sigma_rad = 5.0 * kDegree;
+      const GnssGuess guess =
+          guess_off_by(truth, {0.8 * off_m, -0.6 * off_m, 0.0}, std::max(5.0, 0.5 * off_m),
+                       yaw_sigma_rad, is_heading_known ? 0.1 : 2.0);
+      icp.start_anew();
+      const DynamicIcpResult result = icp.relocalize(points, guess);
+      EXPECT_EQ(result.status, DynamicIcpStatus::ambiguous) << off_m << ' ' << is_heading_known;
+    }
+  }
+}
+
 TEST(DynamicIcp, RegionGrowsWithFailuresAndShrinksWithSuccess) {
   const Street street;
   const Drive drive{.start_x_m = -20.0};
@@ -124,6 +147,8 @@ TEST(DynamicIcp, RegionGrowsWithFailuresAndShrinksWithSuccess) {
   EXPECT_NE(failed.status, DynamicIcpStatus::converged);
   EXPECT_EQ(failed.tries, 3);
   EXPECT_GT(icp.search_growth(), 1.5);
+  icp.start_anew();
+  EXPECT_EQ(icp.search_growth(), 1.0);
 }
 
 TEST(DynamicIcp, TracksFromAPredictionAndWidensWhenItFails) {
