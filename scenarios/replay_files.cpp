@@ -34,6 +34,7 @@ Json to_json(const WindowSetScore& set) {
   return {{"length_s", set.length_s},
           {"windows", set.windows.size()},
           {"scored", set.drift_m.count - set.drift_m.missing},
+          {"lost_at_end", set.lost},
           {"passes", set.passes},
           {"drift_m", to_json(set.drift_m)},
           {"drift_max_m", to_json(set.drift_max_m)},
@@ -77,6 +78,15 @@ std::string replay_json(const ReplayReport& report) {
     json["gnss_offset"]["slope"] = report.estimated_offset->slope;
     json["gnss_offset"]["intervals"] = report.estimated_offset->intervals;
   }
+  json["velocity_delay"] = {{"s", to_seconds(report.velocity_delay)},
+                            {"estimated", report.estimated_delay.has_value()}};
+  if (report.estimated_delay) {
+    json["velocity_delay"]["rms_m"] = report.estimated_delay->rms_m;
+    json["velocity_delay"]["rms_without_m"] = report.estimated_delay->rms_without_m;
+    json["velocity_delay"]["intervals"] = report.estimated_delay->intervals;
+  }
+  json["measured_imu_noise"] = {{"gyro_rad_s_sqrthz", report.rig.measured_noise.gyro_rad_s_sqrthz},
+                                {"accel_m_s2_sqrthz", report.rig.measured_noise.accel_m_s2_sqrthz}};
   const HeldOutScore& held = result.held_out;
   json["every_second_fix_held_out"] = {{"first_claim_s", to_json(held.first_claim_s)},
                                        {"horizontal_m", to_json(held.horizontal_m)},

@@ -18,6 +18,9 @@ struct ReplayReport {
   Duration gnss_offset{0};
   /// How it was found; nothing where it was given.
   std::optional<ClockOffset> estimated_offset;
+  /// From the time that a fix's velocity is true of to the fix's own, and how it was found.
+  Duration velocity_delay{0};
+  std::optional<VelocityDelay> estimated_delay;
   double duration_s = 0.0;
   ReplayResult result;
 };

@@ -30,6 +30,8 @@ struct GnssLog {
   /// The name of the time's column, t_gps_s or t_s.
   std::string time_column;
   std::vector<Entry> entries;
+  /// From the time that a fix's velocity is true of to the fix's own stamp.
+  Duration velocity_delay{0};
 };
 
 /// Reads a log of fixes: CSV, a header that names the columns, in any order, times to the

@@ -1,5 +1,6 @@
 #include "scenarios/replay_rig.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "core/error.h"
@@ -95,7 +96,24 @@ ReplayRig::ReplayRig() {
 localization::Rig ReplayRig::rig(double imu_rate_hz) const {
   localization::Rig rig = inertial_rig(imu, gnss_mount);
   rig.imu_rate_hz = imu_rate_hz;
+  rig.gyro_noise_rad_s_sqrthz =
+      std::max(rig.gyro_noise_rad_s_sqrthz, measured_noise.gyro_rad_s_sqrthz);
+  rig.accel_noise_m_s2_sqrthz =
+      std::max(rig.accel_noise_m_s2_sqrthz, measured_noise.accel_m_s2_sqrthz);
   return rig;
+}
+
+void ReplayRig::tell_imu_noise(const ImuNoise& measured) {
+  measured_noise = measured;
+  YamlReader reader("imu_noise_scale: 1", "the IMU's noise");
+  localizer.settings->describe(reader);
+}
+
+void ReplayRig::tell_velocity_delay(Duration delay) {
+  YamlReader reader("gnss: {velocity_delay_s: " + shortest_text(to_seconds(delay)) + "}",
+                    "the velocities' delay");
+  // A localizer without the key does not ask for it.
+  localizer.settings->describe(reader);
 }
 
 ReplayRig load_replay_rig(const fs::path& file, const fs::path& log_folder,

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "localization/localizer.h"
+#include "scenarios/replay_noise.h"
 #include "scenarios/scenario.h"
 
 namespace locsim::scenarios {
@@ -19,11 +20,19 @@ struct ReplayRig {
   /// From a fix's own time until the localizer gets it [s].
   double gnss_latency_s = 0.0;
   LocalizerSetup localizer;
+  /// See `tell_imu_noise`.
+  ImuNoise measured_noise;
 
   /// The consumer IMU on a car's roof, the antenna beside it, and `gnss_ins`.
   ReplayRig();
 
   [[nodiscard]] localization::Rig rig(double imu_rate_hz) const;
+  /// Tells the localizer, where it asks by a key `gnss.velocity_delay_s`, how much later than true
+  /// the receiver stamps its velocities.
+  void tell_velocity_delay(Duration delay);
+  /// The localizer is told these densities where they are above the preset's; one with a key
+  /// `imu_noise_scale`, its allowance for vibration, is given 1, since they hold it.
+  void tell_imu_noise(const ImuNoise& measured);
 };
 
 /// Reads a rig file, or the defaults where `file` is empty; of a run's folder (one with a

@@ -16,9 +16,12 @@ constexpr Duration kLongestGap{200'000'000};
 // Below this a share of the distance says nothing.
 constexpr double kLeastDistance_m = 1.0;
 
+bool has_pose(const Estimate& estimate) {
+  return estimate.state != State::initializing && estimate.T_map_vehicle.is_finite();
+}
+
 bool claims(const Estimate& estimate) {
-  return estimate.state != State::initializing && estimate.state != State::lost &&
-         estimate.T_map_vehicle.is_finite();
+  return estimate.state != State::lost && has_pose(estimate);
 }
 
 double error_over_sigma(const Estimate& estimate, const Vector3d& error_m) {
@@ -68,11 +71,13 @@ ErrorSummary summarize(std::span<const std::optional<double>> values) {
   return summary;
 }
 
-std::optional<Estimate> EstimateTrack::from_pair(std::size_t first, Stamp time) const {
+std::optional<Estimate> EstimateTrack::from_pair(std::size_t first, Stamp time,
+                                                 bool lost_too) const {
   if (first + 1 >= estimates_.size()) return std::nullopt;
   const Estimate& a = estimates_[first];
   const Estimate& b = estimates_[first + 1];
-  if (!claims(a) || !claims(b) || b.time - a.time > kLongestGap || a.time - time > kLongestGap) {
+  const auto usable = lost_too ? has_pose : claims;
+  if (!usable(a) || !usable(b) || b.time - a.time > kLongestGap || a.time - time > kLongestGap) {
     return std::nullopt;
   }
   const double fraction = to_seconds(time - a.time) / to_seconds(b.time - a.time);
@@ -82,17 +87,17 @@ std::optional<Estimate> EstimateTrack::from_pair(std::size_t first, Stamp time) 
   return estimate;
 }
 
-std::optional<Estimate> EstimateTrack::before_fix(Stamp time) const {
+std::optional<Estimate> EstimateTrack::before_fix(Stamp time, bool lost_too) const {
   const auto next = std::ranges::lower_bound(estimates_, time, {}, &Estimate::time);
   if (next == estimates_.end()) return std::nullopt;
   const auto i = static_cast<std::size_t>(next - estimates_.begin());
   if (i == 0) return std::nullopt;
-  return from_pair(i - 1, time);
+  return from_pair(i - 1, time, lost_too);
 }
 
 std::optional<Estimate> EstimateTrack::after_fix(Stamp time) const {
   const auto next = std::ranges::upper_bound(estimates_, time, {}, &Estimate::time);
-  return from_pair(static_cast<std::size_t>(next - estimates_.begin()), time);
+  return from_pair(static_cast<std::size_t>(next - estimates_.begin()), time, false);
 }
 
 std::optional<Stamp> EstimateTrack::first_claim() const {
@@ -105,9 +110,12 @@ Vector3d ReplayTruth::position_error_m(const Estimate& estimate, const GnssFix& 
   return estimate.T_map_vehicle * antenna_in_vehicle_m - frame.to_map(fix.position);
 }
 
-double ReplayTruth::heading_error_deg(const Estimate& estimate, const GnssFix& fix) const {
+std::optional<double> ReplayTruth::heading_error_deg(const EstimateTrack& track, const GnssFix& fix,
+                                                     bool lost_too) const {
+  const auto estimate = track.before_fix(fix.time - gnss.velocity_delay, lost_too);
+  if (!estimate) return std::nullopt;
   const double course_rad = std::atan2(fix.velocity_enu_m_s.y(), fix.velocity_enu_m_s.x());
-  return kDegreesPerRadian * wrap_angle(estimate.T_map_vehicle.yaw() - course_rad);
+  return kDegreesPerRadian * wrap_angle(estimate->T_map_vehicle.yaw() - course_rad);
 }
 
 bool ReplayTruth::has_course(const GnssLog::Entry& entry) const {
@@ -131,10 +139,10 @@ WindowScore score_window(const ReplayTruth& truth, const EstimateTrack& track,
       }
       continue;
     }
-    const std::optional<Estimate> estimate = track.before_fix(time);
+    const std::optional<Estimate> estimate = track.before_fix(time, true);
     if (truth.has_course(entry)) {
-      score.heading_errors_deg.push_back(
-          estimate ? std::optional(truth.heading_error_deg(*estimate, entry.fix)) : std::nullopt);
+      score.heading_errors_deg.push_back(before ? truth.heading_error_deg(track, entry.fix, true)
+                                                : std::nullopt);
     }
     whole = whole && before && estimate;
     if (!whole) continue;
@@ -169,6 +177,8 @@ WindowSetScore summarize_windows(double length_s, std::size_t passes,
   }
   set.heading_inside_deg = summarize(inside);
   set.heading_outside_deg = summarize(outside);
+  set.lost = static_cast<std::size_t>(std::ranges::count_if(
+      windows, [](const WindowScore& score) { return score.state == State::lost; }));
   set.windows = std::move(windows);
   return set;
 }
@@ -181,9 +191,7 @@ std::vector<std::optional<double>> heading_errors_deg(const ReplayTruth& truth,
   for (std::size_t i = 0; i < given.size(); ++i) {
     const GnssLog::Entry& entry = truth.gnss.entries[i];
     if (!given[i] || !truth.has_course(entry) || (claim && entry.fix.time <= *claim)) continue;
-    const auto estimate = track.before_fix(entry.fix.time);
-    errors.push_back(estimate ? std::optional(truth.heading_error_deg(*estimate, entry.fix))
-                              : std::nullopt);
+    errors.push_back(truth.heading_error_deg(track, entry.fix));
   }
   return errors;
 }

@@ -36,17 +36,18 @@ class EstimateTrack {
       : estimates_(estimates) {}
 
   /// Between the last estimate before `time` and the next one: as nobody knew of a fix at `time`.
-  /// Nothing where they are more than 0.2 s apart, or where either is initializing, lost or not
-  /// finite.
-  [[nodiscard]] std::optional<localization::Estimate> before_fix(Stamp time) const;
+  /// Nothing where they are more than 0.2 s apart, or where either is initializing, not finite or,
+  /// unless `lost_too`, lost.
+  [[nodiscard]] std::optional<localization::Estimate> before_fix(Stamp time,
+                                                                 bool lost_too = false) const;
   /// At `time`, from the first two estimates after it: as a fix at `time` left it.
   [[nodiscard]] std::optional<localization::Estimate> after_fix(Stamp time) const;
   /// Of the first estimate that claims anything.
   [[nodiscard]] std::optional<Stamp> first_claim() const;
 
  private:
-  [[nodiscard]] std::optional<localization::Estimate> from_pair(std::size_t first,
-                                                                Stamp time) const;
+  [[nodiscard]] std::optional<localization::Estimate> from_pair(std::size_t first, Stamp time,
+                                                                bool lost_too) const;
 
   std::span<const localization::Estimate> estimates_;
 };
@@ -62,10 +63,11 @@ struct ReplayTruth {
   /// Position of the estimate's antenna less the fix's, map frame [m].
   [[nodiscard]] Vector3d position_error_m(const localization::Estimate& estimate,
                                           const GnssFix& fix) const;
-  /// Yaw of the estimate less the course of the fix, in (−180, 180] [deg]. Includes what the car
-  /// truly slips at the antenna.
-  [[nodiscard]] double heading_error_deg(const localization::Estimate& estimate,
-                                         const GnssFix& fix) const;
+  /// Yaw less the course of the fix, at the time that the course is true of, in (−180, 180] [deg];
+  /// nothing without an estimate. Includes what the car truly slips at the antenna.
+  [[nodiscard]] std::optional<double> heading_error_deg(const EstimateTrack& track,
+                                                        const GnssFix& fix,
+                                                        bool lost_too = false) const;
   [[nodiscard]] bool has_course(const GnssLog::Entry& entry) const;
 };
 
@@ -74,7 +76,8 @@ struct WindowScore {
   WithheldWindow window;
   double distance_m = 0.0;
   /// How far the horizontal error of the antenna moved since the window's begin, as a vector: at
-  /// its end, and the most of all withheld fixes. Nothing where any estimate is missing.
+  /// its end, and the most of all withheld fixes. Nothing where any estimate is missing; one that
+  /// calls itself lost counts, as it is where the localizer would go on from.
   std::optional<double> drift_m;
   std::optional<double> drift_max_m;
   /// Of the distance.
@@ -100,6 +103,8 @@ struct WindowSetScore {
   double length_s = 0.0;
   std::size_t passes = 0;
   std::vector<WindowScore> windows;
+  /// Windows at whose end the localizer called itself lost.
+  std::size_t lost = 0;
   ErrorSummary drift_m;
   ErrorSummary drift_max_m;
   ErrorSummary drift_percent;

@@ -195,6 +195,38 @@ TEST(ReplayClock, MountOfTheImuIsTakenOff) {
   EXPECT_NEAR(to_seconds(estimate_clock_offset(log, upside_down).offset), -0.1, 2e-4);
 }
 
+// Speed swings between 5 and 11 m/s; velocities are those of `late_s` before their stamps.
+GnssLog hurrying_drive(double late_s, double jump_m = 0.0) {
+  const auto speed = [](double t) { return 8.0 + 3.0 * std::sin(0.7 * t); };
+  const auto way = [](double t) { return 8.0 * t - 3.0 / 0.7 * std::cos(0.7 * t); };
+  const LocalFrame frame({.latitude_rad = 0.7, .longitude_rad = -1.8, .height_m = 1600.0});
+  GnssLog log;
+  for (int i = 0; i <= 800; ++i) {
+    const double t = 0.25 * i;
+    GnssLog::Entry entry{.reference = true};
+    entry.fix.time = stamp_from_seconds(t);
+    entry.fix.position = frame.to_geodetic({way(t), i % 2 == 0 ? jump_m : -jump_m, 0.0});
+    entry.fix.velocity_enu_m_s = {speed(t - late_s), 0.0, 0.0};
+    log.entries.push_back(entry);
+  }
+  return log;
+}
+
+TEST(ReplayClock, DelayOfVelocitiesIsFoundFromThePositions) {
+  for (const double late_s : {0.025, 0.127, 0.4}) {
+    const VelocityDelay found = estimate_velocity_delay(hurrying_drive(late_s));
+    // Speeds between fixes are taken as straight lines: curvature costs 2 mm of a way of 2 m and
+    // is the same on both sides of the best.
+    EXPECT_NEAR(to_seconds(found.delay), late_s, 5e-3);
+    EXPECT_LT(found.rms_m, 0.5 * found.rms_without_m);
+    EXPECT_GT(found.intervals, 700U);
+  }
+  EXPECT_EQ(estimate_velocity_delay(hurrying_drive(0.0)).delay, Duration{0});
+  // Positions that jump by 10 m from fix to fix explain nothing.
+  EXPECT_EQ(estimate_velocity_delay(hurrying_drive(0.127, 5.0)).delay, Duration{0});
+  EXPECT_EQ(estimate_velocity_delay({}).delay, Duration{0});
+}
+
 TEST(ReplayClock, StraightDriveIsRefused) {
   try {
     static_cast<void>(estimate_clock_offset(swinging_drive(0.1, 0.0), {}));

@@ -135,19 +135,81 @@ TEST(Replay, LocalizerWithoutAnEstimateHasNoScoreInsteadOfZero) {
   }
 }
 
-TEST(Replay, WindowThatEndsLostHasNoScore) {
+TEST(Replay, WindowThatEndsLostIsScoredByItsPoseAndCounted) {
   const auto tell = [](Stamp now, double without_s) -> std::optional<Estimate> {
-    Estimate estimate = beside_truth(now, Vector3d::Zero());
+    Estimate estimate = beside_truth(now, {0.0, without_s > 0.25 ? without_s : 0.0, 0.0});
     if (without_s > 9.0) estimate.state = State::lost;
     return estimate;
   };
   const ReplayResult result = run_replay(MadeUpDrive::log(200), one_length(10.0, 4), told(tell));
-  EXPECT_FALSE(result.all_scored());
-  EXPECT_EQ(result.held_out.horizontal_m.missing, 0U);
-  EXPECT_EQ(result.sets.at(0).drift_m.missing, 4U);
-  EXPECT_FALSE(result.sets.at(0).drift_m.median);
-  // What there was until then is still drawn.
-  EXPECT_EQ(result.sets.at(0).windows.at(0).course_of_drift.size(), 36U);
+  EXPECT_TRUE(result.all_scored());
+  const WindowSetScore& set = result.sets.at(0);
+  EXPECT_EQ(set.lost, 4U);
+  EXPECT_EQ(set.drift_m.missing, 0U);
+  EXPECT_NEAR(set.drift_m.median.value(), 10.0, kExact);
+  EXPECT_EQ(set.windows.at(0).course_of_drift.size(), 40U);
+}
+
+TEST(Replay, WithheldFixesLeaveNoTraceInTheWindowsScores) {
+  // Says how far north the last fix that it got was: garbage in a window must not be seen there.
+  const auto run = [](double off_m) {
+    DriveLog log = MadeUpDrive::log(200);
+    const WindowSet set = choose_windows(log, 10.0, 4);
+    const LocalFrame frame(MadeUpDrive::kOrigin);
+    for (GnssLog::Entry& entry : log.gnss.entries) {
+      const Stamp time = entry.fix.time;
+      // Not the last, which the drift is measured against.
+      if (std::ranges::any_of(set.windows, [&](const WithheldWindow& window) {
+            return time > window.from && time < window.until;
+          })) {
+        entry.fix.position =
+            frame.to_geodetic(frame.to_map(entry.fix.position) + Vector3d(0.0, off_m, 0.0));
+      }
+    }
+    struct Follower final : localization::Localizer {
+      using Localizer::add;
+      void add(const ImuSample& sample) override { now = sample.time; }
+      void add(const GnssFix& fix) override {
+        north_m = LocalFrame(MadeUpDrive::kOrigin).to_map(fix.position).y();
+      }
+      void add(const MagneticHeading&) override {}
+      void add(const LidarScan&) override {}
+      [[nodiscard]] std::optional<Estimate> estimate() const override {
+        return beside_truth(now, {0.0, north_m, 0.0});
+      }
+      Stamp now;
+      double north_m = 0.0;
+    };
+    return run_replay(log, one_length(10.0, 4), [] { return std::make_unique<Follower>(); });
+  };
+  const ReplayResult clean = run(0.0);
+  const ReplayResult dirty = run(1000.0);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(dirty.sets.at(0).windows.at(i).drift_m.value(),
+                clean.sets.at(0).windows.at(i).drift_m.value(), kExact);
+  }
+  // Where every second fix is given, half of the garbage is seen: the comparison can fail.
+  EXPECT_GT(dirty.held_out.horizontal_m.worst.value(), 999.0);
+}
+
+TEST(Replay, HeadingIsScoredAtTheTimeThatTheCourseIsTrueOf) {
+  DriveLog log = MadeUpDrive::log(120);
+  log.gnss.velocity_delay = Duration{125'000'000};
+  // Turns at 8 deg/s, seen in the velocity half an epoch late: 1 degree.
+  const auto yaw_deg = [](Stamp time) { return 8.0 * to_seconds(time - MadeUpDrive::kStart); };
+  for (GnssLog::Entry& entry : log.gnss.entries) {
+    const double course_rad =
+        yaw_deg(entry.fix.time - log.gnss.velocity_delay) * std::numbers::pi / 180.0;
+    entry.fix.velocity_enu_m_s = 10.0 * Vector3d(std::cos(course_rad), std::sin(course_rad), 0.0);
+  }
+  const auto tell = [&](Stamp now, double) {
+    return beside_truth(now, Vector3d::Zero(), yaw_deg(now));
+  };
+  EXPECT_NEAR(run_replay(log, one_length(10.0, 2), told(tell)).held_out.heading_deg.worst.value(),
+              0.0, kExact);
+  log.gnss.velocity_delay = Duration{0};
+  EXPECT_NEAR(run_replay(log, one_length(10.0, 2), told(tell)).held_out.heading_deg.median.value(),
+              1.0, kExact);
 }
 
 TEST(Replay, WithheldFixesDoNotReachTheLocalizerAndOthersComeInOrder) {

@@ -57,7 +57,7 @@ TEST_F(ScenarioTest, OfOneLineHasEveryDefault) {
   EXPECT_EQ(scenario.sensors.lidar[0].mount.pose().translation, Vector3d(1.35, 0.0, 1.9));
   EXPECT_EQ(scenario.sensors.imu.mount.pose().translation, Vector3d(1.0, 0.0, 0.5));
   EXPECT_EQ(scenario.sensors.gnss.mount.pose().translation, Vector3d(0.6, 0.0, 1.6));
-  EXPECT_EQ(scenario.localizer.kind, "icp");
+  EXPECT_EQ(scenario.localizer.kind, "dynamic_icp");
   EXPECT_NE(scenario.localizer.settings, nullptr);
   EXPECT_TRUE(scenario.faults.empty());
   EXPECT_EQ(scenario_about(folder_ / "tiny.yaml"), "nothing special");
@@ -228,8 +228,14 @@ TEST_F(ScenarioTest, MistakesNamePlaceKeyAndRemedy) {
               HasSubstr("drive.yaml:2: sensors.imu.rate_hz is 300, needs a divisor of"));
   EXPECT_THAT(error_of("faults:\n  - {kind: earthquake}\n"),
               HasSubstr("drive.yaml:2: faults[0].kind is 'earthquake', needs one of"));
+  EXPECT_EQ(error_of("faults:\n  - {kind: kidnap, for_s: 5}\n"),
+            "drive.yaml:2: faults[0].for_s is given, but a kidnap is an instant: leave it out");
+  EXPECT_EQ(
+      error_of("faults:\n  - {kind: kidnap, ahead_m: 5}\n"),
+      "drive.yaml:2: unknown key 'ahead_m' in faults[0]; there is: at_s, kind, for_s, along_m, "
+      "left_m, turn_deg");
   EXPECT_THAT(error_of("localizer: {kind: guess}\n"),
-              HasSubstr("drive.yaml:1: localizer.kind is 'guess', needs one of icp"));
+              HasSubstr("drive.yaml:1: localizer.kind is 'guess', needs one of dynamic_icp, icp"));
   EXPECT_EQ(error_of("expect:\n  ate_rms_m: \"< 1\"\n"),
             "drive.yaml:2: expect.ate_rms_m is no score, did you mean 'ate_rmse_m'?");
   EXPECT_EQ(error_of("expect:\n  ate_rmse_m: 0.3\n"),

@@ -31,6 +31,7 @@ TEST(Scores, HoldEveryNameOnce) {
                            "drift_deg_per_m",
                            "outage_drift_percent",
                            "availability",
+                           "detection_s",
                            "relocalization_s",
                            "relocalization_distance_m",
                            "relocalization_success",
