@@ -64,6 +64,7 @@ void DynamicIcpConfig::describe(Parameters& p) {
   p.number("search_max_m", search_max_m, {1.0, 200.0});
   p.number("heading_sigmas", heading_sigmas, {0.1, 10.0});
   p.number("error_tolerance_m", error_tolerance_m, {0.001, 5.0});
+  p.number("tracking_tolerance_m", tracking_tolerance_m, {0.001, 5.0});
   p.number("overlap_min", overlap_min, kShare);
   p.integer("inliers_min", inliers_min, {1, 100000});
   p.number("rival_cost_ratio", rival_cost_ratio, {1.0, 100.0});
@@ -88,9 +89,8 @@ struct DynamicIcp::Found {
   double rival_ratio = std::numeric_limits<double>::infinity();
 };
 
-bool DynamicIcp::is_within_tolerance(const Alignment& alignment) const {
-  return alignment.status == AlignmentStatus::converged &&
-         alignment.error_m < config_.error_tolerance_m &&
+bool DynamicIcp::is_within_tolerance(const Alignment& alignment, double tolerance_m) const {
+  return alignment.status == AlignmentStatus::converged && alignment.error_m < tolerance_m &&
          alignment.overlap >= config_.overlap_min && alignment.inliers >= config_.inliers_min;
 }
 
@@ -172,7 +172,7 @@ DynamicIcpResult DynamicIcp::relocalize(std::span<const Vector3f> points, const 
         result.rival_ratio = found.rival_ratio;
       }
       // Line 11: E(T_k) < Error Tolerance. Lines 12–13: T_k and p_k are the alignment's.
-      if (found.best && is_within_tolerance(result.alignment)) {
+      if (found.best && is_within_tolerance(result.alignment, config_.error_tolerance_m)) {
         if (result.rival_ratio >= config_.rival_cost_ratio && !result.alignment.degenerate) {
           search_growth_ = std::max(1.0, search_growth_ / config_.growth);
           result.status = DynamicIcpStatus::converged;
@@ -212,7 +212,7 @@ DynamicIcpResult DynamicIcp::track(std::span<const Vector3f> points, const Pose&
     ++result.candidates;
     result.iterations += alignment.iterations;
     if (alignment.cost_m2 < result.alignment.cost_m2) result.alignment = alignment;
-    if (is_within_tolerance(alignment)) {
+    if (is_within_tolerance(alignment, config_.tracking_tolerance_m)) {
       result.alignment = alignment;
       result.status = DynamicIcpStatus::converged;
       track_growth_ = std::max(1.0, track_growth_ / config_.growth);

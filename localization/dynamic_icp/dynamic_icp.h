@@ -29,6 +29,9 @@ struct DynamicIcpConfig {
 
   /// The paper's Error Tolerance [m] on E, and what else a pose must have to be believed.
   double error_tolerance_m = 0.15;
+  /// The same for `track`, where the IMU bears witness too: what a map with points 5 cm off and an
+  /// overlap of 0.6 leave.
+  double tracking_tolerance_m = 0.18;
   double overlap_min = 0.6;
   int inliers_min = 100;
   /// A pose that ended elsewhere (1 m or 3° away) with a cost below this many times the best's
@@ -108,7 +111,7 @@ class DynamicIcp {
  private:
   struct Found;
   [[nodiscard]] Found find(std::span<const Vector3f> points, const SearchArea& area) const;
-  [[nodiscard]] bool is_within_tolerance(const Alignment& alignment) const;
+  [[nodiscard]] bool is_within_tolerance(const Alignment& alignment, double tolerance_m) const;
 
   DynamicIcpConfig config_;
   LocalMap map_;

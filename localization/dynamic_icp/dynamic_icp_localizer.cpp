@@ -195,8 +195,7 @@ void DynamicIcpLocalizer::start() {
 void DynamicIcpLocalizer::step_judge() {
   if (!config_.judging) return;
   if (judge_.step(inertial_->time(), inertial_->sigma_horizontal_m())) {
-    // Whatever was believed, it was wrong.
-    inertial_->inflate_pose(2.0, 3.0 * kDegree);
+    // The belief stays as it is: it may be right after all, and a search does not ask it.
     join_.clear();
     joined_.reset();
     searches_ = 0;

@@ -234,8 +234,4 @@ void InertialOdometry::place(const Pose& T_map_vehicle, Stamp time, const Matrix
   begin_anew();
 }
 
-void InertialOdometry::inflate_pose(double sigma_m, double sigma_rad) {
-  filter_.inflate_pose(sigma_m, sigma_rad);
-}
-
 }  // namespace locsim::localization

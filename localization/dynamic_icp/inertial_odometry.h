@@ -74,8 +74,6 @@ class InertialOdometry {
   void correct(const Pose& T_map_vehicle, Stamp time, const Matrix6d& covariance, bool holds_all);
   /// Takes the pose of `time` as given, keeps velocity (turned with it) and biases.
   void place(const Pose& T_map_vehicle, Stamp time, const Matrix6d& covariance);
-  /// For what the model does not know.
-  void inflate_pose(double sigma_m, double sigma_rad);
 
  private:
   struct VelocityKnot {

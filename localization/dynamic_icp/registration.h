@@ -30,7 +30,7 @@ struct AlignmentConfig {
   double overlap_distance_m = 0.3;
   /// Directions with less information a point are not updated (Zhang et al. 2016) and make the
   /// result `degenerate`; see `Alignment::translation_information`.
-  double information_min = 0.01;
+  double information_min = 0.02;
 
   /// For the covariance. Noise of a point and the surface it meets, at least.
   double sigma_min_m = 0.02;
