@@ -75,6 +75,7 @@ void DynamicIcpConfig::describe(Parameters& p) {
   p.number("coarse_correspondence_m", coarse_correspondence_m, {0.2, 20.0});
   p.integer("coarse_iterations", coarse_iterations, {1, 200});
   p.integer("refined_max", refined_max, {2, 1000});
+  p.number("search_information_min", search_information_min, {0.0, 0.3});
 }
 
 DynamicIcp::DynamicIcp(const maps::PriorMap& map, const DynamicIcpConfig& config)
@@ -98,13 +99,15 @@ DynamicIcp::Found DynamicIcp::find(std::span<const Vector3f> points, const Searc
   Found found;
   const std::vector<Candidate> candidates = find_candidates(map_, points, area, config_.search);
   found.candidates = static_cast<int>(candidates.size());
+  AlignmentConfig alignment_config = config_.alignment;
+  alignment_config.information_min = config_.search_information_min;
 
   // Coarse: every candidate, few points, large voxels at first.
   const std::vector<Vector3f> few =
       every_nth(points, static_cast<std::size_t>(config_.coarse_points));
   std::vector<Alignment> coarse(candidates.size());
   tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-    coarse[i] = align(map_, few, candidates[i].T_map_vehicle, config_.alignment,
+    coarse[i] = align(map_, few, candidates[i].T_map_vehicle, alignment_config,
                       {.correspondence_first_m = config_.coarse_correspondence_m,
                        .iterations_max = config_.coarse_iterations});
   });
@@ -124,7 +127,7 @@ DynamicIcp::Found DynamicIcp::find(std::span<const Vector3f> points, const Searc
     if (std::ranges::none_of(fine, is_same)) fine.push_back(alignment);
   }
   tbb::parallel_for(std::size_t{0}, fine.size(), [&](std::size_t i) {
-    fine[i] = align(map_, points, fine[i].T_map_vehicle, config_.alignment);
+    fine[i] = align(map_, points, fine[i].T_map_vehicle, alignment_config);
   });
   for (const Alignment& alignment : fine) found.iterations += alignment.iterations;
   std::erase_if(fine, [](const Alignment& alignment) {

@@ -48,6 +48,9 @@ struct DynamicIcpConfig {
   double coarse_correspondence_m = 2.5;
   int coarse_iterations = 12;
   int refined_max = 12;
+  /// In place of `alignment.information_min`: a search has no prediction to keep to, and places
+  /// that a weak direction cannot tell apart are each other's rivals.
+  double search_information_min = 0.005;
 
   void describe(Parameters& p);
 };

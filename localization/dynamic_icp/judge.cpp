@@ -10,6 +10,7 @@ void JudgeConfig::describe(Parameters& p) {
   p.number("residual_max_m", residual_max_m, kPositive);
   p.number("overlap_min", overlap_min, kShare);
   p.integer("inliers_min", inliers_min, {1, 100000});
+  p.number("overlap_drop_max", overlap_drop_max, kShare);
   p.number("imu_gate", imu_gate, kPositive);
   p.number("imu_sigma_m", imu_sigma_m, {0.0, 10.0});
   p.degrees("imu_sigma_deg", imu_sigma_rad, {0.0, 45.0});
@@ -30,11 +31,14 @@ void JudgeConfig::describe(Parameters& p) {
 }
 
 Verdict Judge::examine(const Alignment& alignment, const Pose& prediction,
-                       const Matrix6d& prediction_covariance, double silent_s) const {
+                       const Matrix6d& prediction_covariance, double silent_s) {
   Verdict verdict;
   verdict.converged = alignment.status == AlignmentStatus::converged;
   verdict.overlaps =
       alignment.overlap >= config_.overlap_min && alignment.inliers >= config_.inliers_min;
+  verdict.overlaps_as_usual =
+      !usual_overlap_ || alignment.overlap >= *usual_overlap_ - config_.overlap_drop_max;
+  usual_overlap_ = usual_overlap_ ? 0.5 * (*usual_overlap_ + alignment.overlap) : alignment.overlap;
   // Written so that NaN does not fit.
   verdict.fits = alignment.residual_m <= config_.residual_max_m;
 
@@ -52,6 +56,7 @@ Verdict Judge::examine(const Alignment& alignment, const Pose& prediction,
 }
 
 void Judge::on_found(Stamp time) {
+  usual_overlap_.reset();
   found_ = true;
   good_in_row_ = 1;
   bad_in_row_ = 0;

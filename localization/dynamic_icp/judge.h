@@ -13,6 +13,9 @@ struct JudgeConfig {
   double residual_max_m = 0.15;
   double overlap_min = 0.6;
   int inliers_min = 100;
+  /// The overlap may fall by so much from that of the last scans (each half of what was before): a
+  /// scan that is half of another place still overlaps. What lasts becomes usual.
+  double overlap_drop_max = 0.15;
   /// Disagreement with the IMU: d² of registration and prediction, six degrees of freedom; 22.46 is
   /// χ² at 99.9 %. Beside both covariances these sigmas, for what they do not know.
   double imu_gate = 22.46;
@@ -52,12 +55,16 @@ struct JudgeConfig {
 struct Verdict {
   bool converged = false;
   bool overlaps = false;
+  /// … nearly as much as the scans before.
+  bool overlaps_as_usual = false;
   bool fits = false;
   bool agrees_with_imu = false;
   /// Of registration against prediction.
   double imu_d2 = 0.0;
 
-  [[nodiscard]] bool good() const { return converged && overlaps && fits && agrees_with_imu; }
+  [[nodiscard]] bool good() const {
+    return converged && overlaps && overlaps_as_usual && fits && agrees_with_imu;
+  }
 };
 
 /// Is this registration wrong? Votes of what does not depend on each other: the share of the scan
@@ -70,9 +77,9 @@ class Judge {
   explicit Judge(const JudgeConfig& config) : config_(config) {}
 
   /// A registration beside the prediction that it began from, whose covariance is a right
-  /// perturbation, `silent_s` after the last good one.
+  /// perturbation, `silent_s` after the last good one. Remembers the overlap.
   [[nodiscard]] Verdict examine(const Alignment& alignment, const Pose& prediction,
-                                const Matrix6d& prediction_covariance, double silent_s = 0.0) const;
+                                const Matrix6d& prediction_covariance, double silent_s = 0.0);
 
   /// A search has found a pose; it is not trusted yet.
   void on_found(Stamp time);
@@ -105,6 +112,7 @@ class Judge {
   int good_in_row_ = 0;
   int bad_in_row_ = 0;
   int fixes_off_ = 0;
+  std::optional<double> usual_overlap_;
   Stamp last_good_;
   std::optional<Stamp> acquitted_;
 };

@@ -45,7 +45,7 @@ Vector6d along(int row, double value) {
 }
 
 TEST(Judge, EachVoteAloneMakesARegistrationBad) {
-  const Judge judge{JudgeConfig{}};
+  Judge judge{JudgeConfig{}};
   const Pose prediction{rotation_from_rpy(0.1, -0.2, 2.0), {100.0, -50.0, 3.0}};
   const auto examine = [&](const std::function<void(Alignment&)>& spoil) {
     Alignment alignment = good_alignment();
@@ -81,8 +81,27 @@ TEST(Judge, EachVoteAloneMakesARegistrationBad) {
   }
 }
 
+TEST(Judge, AnOverlapThatFallsIsBadUntilItIsUsual) {
+  Judge judge(bare());
+  const auto examine = [&](double overlap) {
+    Alignment alignment = good_alignment();
+    alignment.overlap = overlap;
+    return judge.examine(alignment, Pose{}, small_covariance()).good();
+  };
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(examine(0.9));
+  EXPECT_TRUE(examine(0.76)) << "within 0.15";
+  EXPECT_TRUE(examine(0.9));
+  EXPECT_TRUE(examine(0.9));
+  // 0.20 below what is usual, then half of that: a bus beside the car.
+  EXPECT_FALSE(examine(0.68));
+  EXPECT_TRUE(examine(0.68));
+  EXPECT_FALSE(examine(0.59)) << "not even then";
+  judge.on_found(stamp_from_seconds(1.0));
+  EXPECT_TRUE(examine(0.65)) << "a new place has its own";
+}
+
 TEST(Judge, TheImuVoteComparesTheTrueD2WithTheGate) {
-  const Judge judge(bare());
+  Judge judge(bare());
   const auto d2_of = [&](double d2) {
     Alignment alignment = good_alignment();
     alignment.T_map_vehicle = se3::exp(along(1, 0.01 * std::sqrt(d2)));
@@ -101,7 +120,7 @@ TEST(Judge, TheImuHasLessOfAVoteTheLongerItWasAlone) {
   config.imu_sigma_m = 0.05;
   config.imu_drift_m_s = 0.1;
   config.imu_drift_rad_s = 0.0;
-  const Judge judge(config);
+  Judge judge(config);
   Alignment alignment = good_alignment();
   alignment.T_map_vehicle = se3::exp(along(0, 2.0));
   const auto d2_after = [&](double silent_s) {
@@ -116,7 +135,7 @@ TEST(Judge, TheImuHasLessOfAVoteTheLongerItWasAlone) {
 }
 
 TEST(Judge, TheImuVoteTakesTheWholeOfBothCovariances) {
-  const Judge judge(bare());
+  Judge judge(bare());
   RandomSequence random(3, "test/judge/covariances");
   Matrix6d root = Matrix6d::Zero();
   for (double& x : root.reshaped()) x = 0.02 * random.gaussian();
@@ -134,7 +153,7 @@ TEST(Judge, TheImuVoteTakesTheWholeOfBothCovariances) {
 }
 
 TEST(Judge, OneInAThousandHonestRegistrationsIsRefused) {
-  const Judge judge(bare());
+  Judge judge(bare());
   RandomSequence random(5, "test/judge/covariances");
   const auto covariance = [&](double sigma_m, double sigma_rad) {
     Matrix6d root = Matrix6d::Zero();
@@ -173,7 +192,7 @@ TEST(Judge, OneInAThousandHonestRegistrationsIsRefused) {
 }
 
 TEST(Judge, WhatIsNotANumberIsNeverGood) {
-  const Judge judge{JudgeConfig{}};
+  Judge judge{JudgeConfig{}};
   for (const double bad : {kNan, kInfinity, -kInfinity}) {
     for (int row = 0; row < 6; ++row) {
       Matrix6d covariance = small_covariance();
