@@ -174,8 +174,8 @@ TEST(GnssOdometry, LateVelocitiesAreTakenAtTheirOwnTime) {
     return (odometry.estimate()->velocity_m_s - drive.truth.back().vehicle.velocity_m_s).norm();
   };
   EXPECT_LT(error_with(0.2), 0.01);
-  // 0.2 s at up to 2 m/s² across and 0.6 along the way are 0.1 to 0.4 m/s; positions of 2 cm and the
-  // IMU leave it some part of that, and more than twice what is left with the delay.
+  // 0.2 s at up to 2 m/s² across and 0.6 along the way are 0.1 to 0.4 m/s; positions of 2 cm and
+  // the IMU leave it some part of that, and more than twice what is left with the delay.
   EXPECT_GT(error_with(0.0), 0.02);
 }
 
