@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "render/color_bar.h"
 #include "render/label_placement.h"
@@ -50,6 +51,9 @@ Image draw_town(const TrajectoryPicture& picture, const TrajectoryLayout& layout
   return box_filter(frame);
 }
 
+/// Between truths a tick apart: the car was set down elsewhere, not driven there.
+constexpr double kJump_m = 20.0;
+
 /// The points that lie at least a pixel from the one kept before them.
 std::vector<Vector2d> thinned(const std::vector<Vector2d>& points) {
   std::vector<Vector2d> kept;
@@ -86,7 +90,13 @@ void draw_tracks(Image& image, const TrajectoryPicture& picture, const Trajector
   for (const Vector3d& p : picture.truth) truth.push_back(layout.map.pixel(p));
   canvas.stroke_polyline(track.points, track.rims, rim_px * layout.unit);
   canvas.stroke_polyline(track.points, track.colors, track_px * layout.unit);
-  canvas.stroke_polyline(truth, truth_px * layout.unit, palette::ink);
+  for (std::size_t from = 0; from < truth.size();) {
+    std::size_t to = from + 1;
+    while (to < truth.size() && (picture.truth[to] - picture.truth[to - 1]).norm() < kJump_m) ++to;
+    canvas.stroke_polyline(std::span(truth).subspan(from, to - from), truth_px * layout.unit,
+                           palette::ink);
+    from = to;
+  }
   std::vector<Vector2d> covered = thinned(track.points);
   const std::vector<Vector2d> under = thinned(truth);
   covered.insert(covered.end(), under.begin(), under.end());
