@@ -19,6 +19,16 @@ bool are_apart(const Pose& a, const Pose& b, double distance_m, double angle_rad
   return between.translation.norm() > distance_m || so3::log(between.rotation).norm() > angle_rad;
 }
 
+/// Ended at different places.
+bool are_rivals(const Alignment& a, const Alignment& b) {
+  return are_apart(a.T_map_vehicle, b.T_map_vehicle, 1.0, 3.0 * kDegree);
+}
+
+/// Both with the noise of a point added.
+double cost_ratio(const Alignment& rival, const Alignment& best, double sigma_m) {
+  return (rival.cost_m2 + sigma_m * sigma_m) / (best.cost_m2 + sigma_m * sigma_m);
+}
+
 std::vector<Vector3f> within(std::span<const Vector3f> points, double range_m) {
   std::vector<Vector3f> near;
   near.reserve(points.size());
@@ -136,10 +146,9 @@ DynamicIcp::Found DynamicIcp::find(std::span<const Vector3f> points, const Searc
   if (fine.empty()) return found;
   std::ranges::stable_sort(fine, {}, &Alignment::cost_m2);
   found.best = fine.front();
-  const double noise_m2 = config_.alignment.sigma_min_m * config_.alignment.sigma_min_m;
   for (const Alignment& rival : fine) {
-    if (!are_apart(rival.T_map_vehicle, found.best->T_map_vehicle, 1.0, 3.0 * kDegree)) continue;
-    found.rival_ratio = (rival.cost_m2 + noise_m2) / (found.best->cost_m2 + noise_m2);
+    if (!are_rivals(rival, *found.best)) continue;
+    found.rival_ratio = cost_ratio(rival, *found.best, config_.alignment.sigma_min_m);
     break;
   }
   return found;
@@ -170,9 +179,20 @@ DynamicIcpResult DynamicIcp::relocalize(std::span<const Vector3f> points, const 
       const Found found = find(near, area);
       result.candidates += found.candidates;
       result.iterations += found.iterations;
-      if (found.best && found.best->cost_m2 <= result.alignment.cost_m2) {
-        result.alignment = *found.best;
-        result.rival_ratio = found.rival_ratio;
+      if (found.best) {
+        // What an earlier try found elsewhere is a rival too.
+        const Alignment before = result.alignment;
+        const bool is_better = found.best->cost_m2 <= before.cost_m2;
+        if (is_better) {
+          result.alignment = *found.best;
+          result.rival_ratio = found.rival_ratio;
+        }
+        const Alignment& other = is_better ? before : *found.best;
+        if (std::isfinite(other.cost_m2) && are_rivals(other, result.alignment)) {
+          result.rival_ratio =
+              std::min(result.rival_ratio,
+                       cost_ratio(other, result.alignment, config_.alignment.sigma_min_m));
+        }
       }
       // Line 11: E(T_k) < Error Tolerance. Lines 12–13: T_k and p_k are the alignment's.
       if (found.best && is_within_tolerance(result.alignment, config_.error_tolerance_m)) {

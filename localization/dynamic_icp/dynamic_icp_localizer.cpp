@@ -174,11 +174,9 @@ void DynamicIcpLocalizer::add(const GnssFix& fix) {
         then.rotation * (rig_.T_vehicle_imu.rotation * inertial_->filter().angular_rate_rad_s())
                             .cross(rig_.antenna_in_vehicle_m);
     gnss_velocities_.add(by_imu.time, by_imu.velocity_enu_m_s - turning);
-    const Matrix3d R = then.rotation.toRotationMatrix();
-    const Matrix3d known =
-        R * inertial_->filter().covariance().topLeftCorner<3, 3>() * R.transpose();
     judge_.on_fix(frame_.to_map(by_imu.position), by_imu.position_covariance_m2,
-                  then.translation + arm, known.topLeftCorner<2, 2>(), by_imu.time);
+                  then.translation + arm, horizontal(inertial_->filter().vehicle_estimate()),
+                  by_imu.time);
   }
   inertial_->add(by_imu);
   step_judge();

@@ -120,7 +120,7 @@ bool Judge::step(Stamp now, double sigma_horizontal_m) {
       // What a search found has to stand the test of the scans after it.
       if (bad_in_row_ >= config_.degraded_scans || !known) {
         found_ = false;
-      } else if (good_in_row_ >= config_.confirm_scans && well_known) {
+      } else if (good_in_row_ >= config_.confirm_scans && well_known && in_touch) {
         state_ = State::tracking;
       }
       return false;
