@@ -72,7 +72,8 @@ class InertialOdometry {
   /// Corrects by a LIDAR pose of `time`, within `motion()`; `covariance` is a right perturbation.
   /// `holds_all`: no direction is degenerate.
   void correct(const Pose& T_map_vehicle, Stamp time, const Matrix6d& covariance, bool holds_all);
-  /// Takes the pose of `time` as given, keeps velocity (turned with it) and biases.
+  /// Takes the pose of `time` as given, keeps biases and velocity, which is turned with a heading
+  /// that changes by more than 20° and is less sure after any turn.
   void place(const Pose& T_map_vehicle, Stamp time, const Matrix6d& covariance);
 
  private:
