@@ -19,16 +19,6 @@ bool are_apart(const Pose& a, const Pose& b, double distance_m, double angle_rad
   return between.translation.norm() > distance_m || so3::log(between.rotation).norm() > angle_rad;
 }
 
-/// Ended at different places.
-bool are_rivals(const Alignment& a, const Alignment& b) {
-  return are_apart(a.T_map_vehicle, b.T_map_vehicle, 1.0, 3.0 * kDegree);
-}
-
-/// Both with the noise of a point added.
-double cost_ratio(const Alignment& rival, const Alignment& best, double sigma_m) {
-  return (rival.cost_m2 + sigma_m * sigma_m) / (best.cost_m2 + sigma_m * sigma_m);
-}
-
 std::vector<Vector3f> within(std::span<const Vector3f> points, double range_m) {
   std::vector<Vector3f> near;
   near.reserve(points.size());
@@ -64,6 +54,15 @@ Eigen::Matrix2d search_shape(const Eigen::Matrix2d& covariance, double sigmas, d
 
 }  // namespace
 
+bool is_same_place(const Pose& a, const Pose& b) {
+  return !are_apart(a, b, 1.0, 3.0 * kDegree);
+}
+
+double cost_ratio(const Alignment& rival, const Alignment& best, const AlignmentConfig& config) {
+  const double noise_m2 = config.sigma_min_m * config.sigma_min_m;
+  return (rival.cost_m2 + noise_m2) / (best.cost_m2 + noise_m2);
+}
+
 void DynamicIcpConfig::describe(Parameters& p) {
   p.group("local_map", local_map);
   p.group("alignment", alignment);
@@ -80,7 +79,6 @@ void DynamicIcpConfig::describe(Parameters& p) {
   p.number("rival_cost_ratio", rival_cost_ratio, {1.0, 100.0});
   p.number("growth", growth, {1.0, 10.0});
   p.integer("tries_max", tries_max, {1, 20});
-  p.integer("candidates_budget", candidates_budget, {1, 100000});
   p.integer("coarse_points", coarse_points, {30, 100000});
   p.number("coarse_correspondence_m", coarse_correspondence_m, {0.2, 20.0});
   p.integer("coarse_iterations", coarse_iterations, {1, 200});
@@ -147,8 +145,8 @@ DynamicIcp::Found DynamicIcp::find(std::span<const Vector3f> points, const Searc
   std::ranges::stable_sort(fine, {}, &Alignment::cost_m2);
   found.best = fine.front();
   for (const Alignment& rival : fine) {
-    if (!are_rivals(rival, *found.best)) continue;
-    found.rival_ratio = cost_ratio(rival, *found.best, config_.alignment.sigma_min_m);
+    if (is_same_place(rival.T_map_vehicle, found.best->T_map_vehicle)) continue;
+    found.rival_ratio = cost_ratio(rival, *found.best, config_.alignment);
     break;
   }
   return found;
@@ -167,7 +165,7 @@ DynamicIcpResult DynamicIcp::relocalize(std::span<const Vector3f> points, const 
     area.heading_rad = std::min(std::numbers::pi, config_.heading_sigmas * *guess.yaw_sigma_rad);
   }
   const double heading_rad = area.heading_rad;
-  while (result.tries < config_.tries_max && result.candidates < config_.candidates_budget) {
+  while (result.tries < config_.tries_max) {
     ++result.tries;
     area.heading_rad = std::min(std::numbers::pi, heading_rad * search_growth_);
     area.shape_m2 = search_shape(guess.covariance_xy_m2, config_.sigmas * search_growth_,
@@ -188,10 +186,10 @@ DynamicIcpResult DynamicIcp::relocalize(std::span<const Vector3f> points, const 
           result.rival_ratio = found.rival_ratio;
         }
         const Alignment& other = is_better ? before : *found.best;
-        if (std::isfinite(other.cost_m2) && are_rivals(other, result.alignment)) {
+        if (std::isfinite(other.cost_m2) &&
+            !is_same_place(other.T_map_vehicle, result.alignment.T_map_vehicle)) {
           result.rival_ratio =
-              std::min(result.rival_ratio,
-                       cost_ratio(other, result.alignment, config_.alignment.sigma_min_m));
+              std::min(result.rival_ratio, cost_ratio(other, result.alignment, config_.alignment));
         }
       }
       // Line 11: E(T_k) < Error Tolerance. Lines 12–13: T_k and p_k are the alignment's.

@@ -41,8 +41,6 @@ struct DynamicIcpConfig {
   /// The region after a try that failed, and before one that converged, as a factor.
   double growth = 1.6;
   int tries_max = 3;
-  /// The budget of one call: no further try after so many candidates.
-  int candidates_budget = 600;
   /// Candidates are aligned with so many points, and the best so many of them with all.
   int coarse_points = 300;
   double coarse_correspondence_m = 2.5;
@@ -87,6 +85,13 @@ struct DynamicIcpResult {
   /// where there is none.
   double rival_ratio = std::numeric_limits<double>::infinity();
 };
+
+/// Within 1 m and 3°: what ended there ended at the same place.
+[[nodiscard]] bool is_same_place(const Pose& a, const Pose& b);
+
+/// Of the costs, both with the noise of a point added.
+[[nodiscard]] double cost_ratio(const Alignment& rival, const Alignment& best,
+                                const AlignmentConfig& config);
 
 /// Finds the vehicle on the prior map. Keeps a local map about where it last looked.
 class DynamicIcp {

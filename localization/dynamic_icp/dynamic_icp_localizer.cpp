@@ -24,9 +24,6 @@ constexpr double kFoundSigma_m = 0.2;
 constexpr double kFoundSigma_rad = 1.0 * kDegree;
 /// A heading by GNSS or compass is off by more than its sigma: iron, slip.
 constexpr double kHeadingSigmaMin_rad = 5.0 * kDegree;
-/// Two poses this close are the same place.
-constexpr double kSame_m = 1.0;
-constexpr double kSame_rad = 3.0 * kDegree;
 
 const maps::PriorMap& checked_map(const LocalizerInputs& inputs) {
   if (!inputs.map) throw InputError("dynamic_icp: needs a prior map");
@@ -56,11 +53,6 @@ bool is_untimed(const LidarScan& scan) {
   return std::ranges::all_of(scan.points, [&](const LidarPoint& point) {
     return point.time_ns == scan.points.front().time_ns;
   });
-}
-
-bool is_same_place(const Pose& a, const Pose& b) {
-  const Pose between = a.inverse() * b;
-  return between.translation.norm() < kSame_m && so3::log(between.rotation).norm() < kSame_rad;
 }
 
 Eigen::Matrix2d horizontal(const Estimate& estimate) {
@@ -286,7 +278,7 @@ void DynamicIcpLocalizer::take(const Alignment& found, Stamp time) {
   inertial_->place(found.T_map_vehicle, time, covariance);
   join_.clear();
   joined_.reset();
-  join(found.T_map_vehicle, time);
+  join(found.T_map_vehicle, found.T_map_vehicle, time);
   judge_.on_found(time);
 }
 
@@ -297,14 +289,14 @@ void DynamicIcpLocalizer::track(std::span<const Vector3f> points, Stamp time) {
   done("align");
   const Alignment& alignment = last_result_.alignment;
   const Matrix6d known = inertial_->filter().vehicle_estimate().covariance;
-  last_verdict_ =
+  Verdict verdict =
       judge_.examine(alignment, prediction, known, to_seconds(time - judge_.last_good()));
-  last_verdict_.converged &= last_result_.status == DynamicIcpStatus::converged;
+  verdict.converged &= last_result_.status == DynamicIcpStatus::converged;
   const bool believed =
-      config_.judging ? last_verdict_.good() : alignment.status == AlignmentStatus::converged;
+      config_.judging ? verdict.good() : alignment.status == AlignmentStatus::converged;
   if (believed) {
     inertial_->correct(alignment.T_map_vehicle, time, alignment.covariance, !alignment.degenerate);
-    join(alignment.T_map_vehicle, time);
+    join(alignment.T_map_vehicle, prediction, time);
   }
   judge_.on_registration(believed || !config_.judging, time);
   done("fuse");
@@ -326,8 +318,7 @@ void DynamicIcpLocalizer::look_around(std::span<const Vector3f> points, const Al
     judge_.acquit(time);
     return;
   }
-  const double noise_m2 = std::pow(config_.lidar_odometry.alignment.sigma_min_m, 2);
-  const double ratio = (there.alignment.cost_m2 + noise_m2) / (alignment.cost_m2 + noise_m2);
+  const double ratio = cost_ratio(there.alignment, alignment, config_.lidar_odometry.alignment);
   if (ratio > config_.lidar_odometry.rival_cost_ratio) {
     judge_.acquit(time);
   } else if (found && ratio < 1.0) {
@@ -336,13 +327,12 @@ void DynamicIcpLocalizer::look_around(std::span<const Vector3f> points, const Al
   }
 }
 
-void DynamicIcpLocalizer::join(const Pose& T_map_vehicle, Stamp time) {
-  const Pose now = inertial_->motion().at(time);
+void DynamicIcpLocalizer::join(const Pose& T_map_vehicle, const Pose& prediction, Stamp time) {
   Pose T_last_this;
-  if (joined_) T_last_this = inertial_at_join_.inverse() * now;
+  if (joined_) T_last_this = inertial_at_join_.inverse() * prediction;
   if (!join_.add({time, T_map_vehicle}, T_last_this)) return;
   joined_ = StampedPose{time, T_map_vehicle};
-  inertial_at_join_ = now;
+  inertial_at_join_ = inertial_->motion().at(time);
 }
 
 std::optional<Pose> DynamicIcpLocalizer::fused(Stamp time) const {

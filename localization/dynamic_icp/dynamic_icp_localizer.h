@@ -68,7 +68,6 @@ class DynamicIcpLocalizer final : public Localizer {
   void on_stage(std::function<void(std::string_view)> observer) { observer_ = std::move(observer); }
   /// Of the last scan.
   [[nodiscard]] const DynamicIcpResult& last_result() const { return last_result_; }
-  [[nodiscard]] const Verdict& last_verdict() const { return last_verdict_; }
 
  private:
   void start();
@@ -83,7 +82,8 @@ class DynamicIcpLocalizer final : public Localizer {
   void track(std::span<const Vector3f> points, Stamp time);
   void look_around(std::span<const Vector3f> points, const Alignment& alignment, Stamp time);
   void take(const Alignment& found, Stamp time);
-  void join(const Pose& T_map_vehicle, Stamp time);
+  /// `prediction` is where the IMU had the vehicle.
+  void join(const Pose& T_map_vehicle, const Pose& prediction, Stamp time);
   [[nodiscard]] std::optional<Pose> fused(Stamp time) const;
   void done(std::string_view stage) const {
     if (observer_) observer_(stage);
@@ -111,7 +111,6 @@ class DynamicIcpLocalizer final : public Localizer {
   std::optional<StampedPose> joined_;
   Pose inertial_at_join_;
   DynamicIcpResult last_result_;
-  Verdict last_verdict_;
 };
 
 /// For the registry.

@@ -29,17 +29,6 @@ Rig scaled(Rig rig, const InertialOdometryConfig& config) {
   return rig;
 }
 
-/// Velocities across the vehicle's x axis.
-Eigen::Matrix2d non_holonomic_covariance_m2_s2(const NonHolonomicConfig& car, double speed_m_s,
-                                               double yaw_rate_rad_s) {
-  const double by_mounting = car.direction_sigma_rad * speed_m_s;
-  const double by_slip = car.slip_sigma_rad_s2_m * speed_m_s * speed_m_s * yaw_rate_rad_s;
-  const Eigen::Vector2d variances(
-      std::pow(car.lateral_sigma_m_s, 2) + std::pow(by_mounting, 2) + std::pow(by_slip, 2),
-      std::pow(car.vertical_sigma_m_s, 2) + std::pow(by_mounting, 2));
-  return variances.asDiagonal();
-}
-
 }  // namespace
 
 void SilenceConfig::describe(Parameters& p) {
@@ -131,7 +120,7 @@ void InertialOdometry::constrain(Stamp time) {
   const double speed = filter_.velocity_in_vehicle_m_s().norm();
   const double rate = (rig_.T_vehicle_imu.rotation * filter_.angular_rate_rad_s()).z();
   static_cast<void>(
-      filter_.update_along_x(non_holonomic_covariance_m2_s2(silence.car, speed, rate), kGate2,
+      filter_.update_along_x(silence.car.covariance_m2_s2(speed, rate), kGate2,
                              correlated_weight(elapsed_s, silence.car.correlation_s)));
   follow_correction();
 }

@@ -222,14 +222,8 @@ void GnssFilter::constrain(const ImuSample& sample) {
   if (!config_.non_holonomic || elapsed_s < car.interval_s) return;
   memory_.last_non_holonomic = sample.time;
   const double rate = (rig_.T_vehicle_imu.rotation * filter_.angular_rate_rad_s()).z();
-  const double by_mounting = car.direction_sigma_rad * speed;
-  const double by_slip = car.slip_sigma_rad_s2_m * speed * speed * rate;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  covariance(0, 0) =
-      std::pow(car.lateral_sigma_m_s, 2) + std::pow(by_mounting, 2) + std::pow(by_slip, 2);
-  covariance(1, 1) = std::pow(car.vertical_sigma_m_s, 2) + std::pow(by_mounting, 2);
-  static_cast<void>(
-      filter_.update_along_x(covariance, kGate2, correlated_weight(elapsed_s, car.correlation_s)));
+  static_cast<void>(filter_.update_along_x(car.covariance_m2_s2(speed, rate), kGate2,
+                                           correlated_weight(elapsed_s, car.correlation_s)));
 }
 
 }  // namespace locsim::localization

@@ -43,6 +43,17 @@ void StandstillConfig::describe(Parameters& p) {
   p.number("rate_sigma_rad_s", rate_sigma_rad_s, {1e-7, 1.0});
 }
 
+Eigen::Matrix2d NonHolonomicConfig::covariance_m2_s2(double speed_m_s,
+                                                     double yaw_rate_rad_s) const {
+  const double by_mounting = direction_sigma_rad * speed_m_s;
+  const double by_slip = slip_sigma_rad_s2_m * speed_m_s * speed_m_s * yaw_rate_rad_s;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  covariance(0, 0) =
+      std::pow(lateral_sigma_m_s, 2) + std::pow(by_mounting, 2) + std::pow(by_slip, 2);
+  covariance(1, 1) = std::pow(vertical_sigma_m_s, 2) + std::pow(by_mounting, 2);
+  return covariance;
+}
+
 void NonHolonomicConfig::describe(Parameters& p) {
   p.number("interval_s", interval_s, {0.001, 10.0});
   p.number("lateral_sigma_m_s", lateral_sigma_m_s, {1e-3, 10.0});

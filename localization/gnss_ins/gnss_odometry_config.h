@@ -90,6 +90,8 @@ struct NonHolonomicConfig {
   /// Mounting and slip last; weights as in `GnssNoiseConfig`.
   double correlation_s = 1.0;
 
+  /// Of the velocities along y and z of the vehicle [(m/s)²].
+  [[nodiscard]] Eigen::Matrix2d covariance_m2_s2(double speed_m_s, double yaw_rate_rad_s) const;
   void describe(Parameters& p);
 };
 
